@@ -1,0 +1,50 @@
+# The environment is made once and kept in .venv; constraints.txt makes it repeatable.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+EXTRAS ?= peers,data,dev
+# Tests run one process a core.
+WORKERS ?= auto
+
+.PHONY: help grade test quick lint papers benchmarks reports clean
+
+help:
+	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
+	@echo "make test        every test, slow ones too"
+	@echo "make quick       the tests that are not marked slow"
+	@echo "make lint        ruff and mypy"
+	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
+	@echo "make reports     grade every ready-made implementation into reports/"
+	@echo "make benchmarks  speed and memory beside the peers"
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[$(EXTRAS)]"
+	@touch $@
+
+grade: $(STAMP)
+	$(BIN)/isograde grade skimage:lewiner --out report
+
+test: $(STAMP)
+	$(BIN)/python -m pytest -n $(WORKERS)
+
+quick: $(STAMP)
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow"
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+papers: $(STAMP)
+	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+
+reports: $(STAMP)
+	$(BIN)/isograde grade --all --out reports
+
+benchmarks: $(STAMP)
+	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+
+clean:
+	rm -rf $(VENV) report build dist

@@ -1,0 +1,9 @@
+"""Isosurface extraction, written to be read.
+
+Each module is an article about one idea; start with `isoref.cube`, then `isoref.asymptotic_decider`.
+"""
+
+from isoref.field import Field, FieldError
+from isoref.mesh import Mesh
+
+__all__ = ["Field", "FieldError", "Mesh"]

@@ -1,0 +1,150 @@
+"""Fields: numbers on a lattice.
+
+A field is what every algorithm of this package starts from: an array of samples and the place
+where the lattice stands in space.
+
+Glossary
+--------
+n           dimension of the lattice
+N1 .. Nn    number of samples along each axis, in the order of the array's axes
+m           number of components a sample has (1 for a scalar field)
+index       integer coordinates of a sample, (i1, .., in)
+position    ``origin + index * spacing``
+isovalue    the constant of the isosurface; a sample is *inside* when ``value >= isovalue``
+
+Invariants
+----------
+Samples are finite numbers, there is at least one along each axis, and spacings are positive:
+whoever holds a `Field` need not ask again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.generic]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+
+class FieldError(ValueError):
+    """The input is no field; the message says what is wrong, where, and what to do."""
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Samples on a regular lattice, with the place of the lattice in space.
+
+    Build one with `Field.of`, which checks everything.
+
+    Attributes
+    ----------
+    values : (N1, .., Nn) array, or (m, N1, .., Nn) for m components
+        Real numbers of any integer or floating type, never copied without need.
+    spacing, origin : n floats
+        Position of index i is ``origin + i * spacing``.
+    """
+
+    values: Array
+    spacing: tuple[float, ...]
+    origin: tuple[float, ...]
+
+    @classmethod
+    def of(
+        cls,
+        values: ArrayLike,
+        spacing: float | Sequence[float] | None = None,
+        origin: Sequence[float] | None = None,
+        *,
+        dimension: int | None = None,
+    ) -> Field:
+        """The field with these samples, checked.
+
+        Parameters
+        ----------
+        values : array-like of real numbers
+        spacing : one number for all axes or one an axis; 1 by default
+        origin : one number an axis; 0 by default
+        dimension : n, where it is not the rank of `values`: with ``dimension = rank - 1`` the
+            first axis counts components
+
+        Raises
+        ------
+        FieldError
+            for NaN or infinite samples, an empty array, a wrong rank, a type that is not real,
+            a spacing that is not positive, or an origin that is not finite.
+
+        >>> Field.of([[0, 1], [2, 3]], spacing=0.5).position([1, 1])
+        array([0.5, 0.5])
+        >>> Field.of([[0.0, float("nan")]])
+        Traceback (most recent call last):
+        isoref.field.FieldError: sample (0, 1) is nan; replace or crop samples that are not finite
+        """
+        samples = np.asarray(values)
+        n = samples.ndim if dimension is None else dimension
+        _check_samples(samples, n)
+        steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, float), (n,))
+        corner = np.zeros(n) if origin is None else np.asarray(origin, float)
+        if not (np.isfinite(steps).all() and (steps > 0).all()):
+            raise FieldError(f"spacing {steps.tolist()} must be positive and finite on every axis")
+        if corner.shape != (n,) or not np.isfinite(corner).all():
+            raise FieldError(f"origin {corner.tolist()} must be {n} finite numbers")
+        return cls(samples, tuple(steps.tolist()), tuple(corner.tolist()))
+
+    @property
+    def dimension(self) -> int:
+        """n, the number of axes of the lattice."""
+        return len(self.spacing)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(N1, .., Nn), the number of samples along each axis."""
+        return self.values.shape[self.values.ndim - self.dimension :]
+
+    @property
+    def components(self) -> int:
+        """m, the number of values a sample has; 1 for a scalar field."""
+        return 1 if self.values.ndim == self.dimension else self.values.shape[0]
+
+    def position(self, index: ArrayLike) -> Floats:
+        """``origin + index * spacing`` for fractional indices of shape (.., n)."""
+        return np.asarray(self.origin) + np.asarray(index, float) * np.asarray(self.spacing)
+
+
+def _check_samples(samples: Array, n: int) -> None:
+    """Nothing, where `samples` are real, finite and fill an n-dimensional lattice; else raises."""
+    if samples.dtype.kind not in "biuf":
+        raise FieldError(f"samples of type {samples.dtype} are not real numbers")
+    if n < 1 or samples.ndim not in (n, n + 1):
+        raise FieldError(
+            f"an array of rank {samples.ndim} does not fill a lattice of dimension {n}"
+        )
+    if samples.size == 0:
+        raise FieldError(f"an array of shape {samples.shape} has no samples")
+    if samples.dtype.kind == "f":
+        good = np.isfinite(samples)
+        if not good.all():
+            where = tuple(int(i) for i in np.argwhere(~good)[0])
+            raise FieldError(
+                f"sample {where} is {samples[where]}; replace or crop samples that are not finite"
+            )
+
+
+def check_isovalue(isovalue: float) -> float:
+    """`isovalue` as a finite float, or a `FieldError` that says what it was.
+
+    >>> check_isovalue(3)
+    3.0
+    """
+    try:
+        number = float(isovalue)
+    except (TypeError, ValueError):
+        raise FieldError(f"isovalue {isovalue!r} is not a number") from None
+    if not np.isfinite(number):
+        raise FieldError(f"isovalue {number} is not finite")
+    return number

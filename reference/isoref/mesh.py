@@ -1,0 +1,117 @@
+"""Meshes: simplices on shared vertices.
+
+Every algorithm of this package ends in a `Mesh`: points, segments, triangles, tetrahedra, ..
+in a space of any dimension.
+
+Glossary
+--------
+d       dimension of the space the vertices live in
+k       dimension of the simplices: 1 segments, 2 triangles, 3 tetrahedra
+V, S    number of vertices and of simplices
+
+Invariants
+----------
+Vertices are float64 (V, d), simplices are int64 (S, k + 1), every index is in range. A triangle's
+right-hand normal points from inside to outside, from high values to low ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from isoref.field import Floats, Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Simplices on shared vertices.
+
+    Attributes
+    ----------
+    vertices : (V, d) float64
+    simplices : (S, k + 1) int64, rows of indices into `vertices`
+    """
+
+    vertices: Floats
+    simplices: Integers
+
+    @classmethod
+    def of(cls, vertices: ArrayLike, simplices: ArrayLike) -> Mesh:
+        """The mesh of these arrays, its shapes and index range checked.
+
+        Raises
+        ------
+        ValueError
+            for arrays that are not two-dimensional or an index out of range.
+
+        >>> Mesh.of([[0, 0], [1, 0]], [[0, 1]])
+        Mesh(2 vertices in R^2, 1 simplices of dimension 1)
+        """
+        points = np.asarray(vertices, np.float64)
+        cells = np.asarray(simplices, np.int64)
+        if points.ndim != 2 or cells.ndim != 2:
+            raise ValueError(
+                f"vertices {points.shape} and simplices {cells.shape} must have two axes each"
+            )
+        if cells.size and not (0 <= cells.min() and cells.max() < len(points)):
+            raise ValueError(
+                f"simplices use indices {cells.min()} to {cells.max()}, "
+                f"but there are {len(points)} vertices"
+            )
+        return cls(points, cells)
+
+    @classmethod
+    def empty(cls, d: int, k: int) -> Mesh:
+        """No simplices of dimension k in R^d.
+
+        >>> Mesh.empty(3, 2)
+        Mesh(0 vertices in R^3, 0 simplices of dimension 2)
+        """
+        return cls(np.empty((0, d)), np.empty((0, k + 1), np.int64))
+
+    @property
+    def dimension(self) -> int:
+        """k, the dimension of the simplices."""
+        return self.simplices.shape[1] - 1
+
+    def __repr__(self) -> str:
+        return (
+            f"Mesh({len(self.vertices)} vertices in R^{self.vertices.shape[1]}, "
+            f"{len(self.simplices)} simplices of dimension {self.dimension})"
+        )
+
+    def canonical(self) -> Mesh:
+        """The same oriented mesh, numbered independently of how it was made.
+
+        Vertices are sorted by position (those that coincide keep their order), each simplex
+        starts at its smallest vertex and keeps its orientation, and simplices are sorted.
+        Segments and triangles only: a larger simplex is sorted whole, with its sign in the order
+        of its last two vertices.
+        """
+        order = np.lexsort(self.vertices.T[::-1])
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        cells = rank[self.simplices]
+        if self.dimension == 2 and len(cells):
+            start = cells.argmin(axis=1)[:, None]
+            cells = np.take_along_axis(cells, (start + np.arange(3)) % 3, axis=1)
+        elif self.dimension > 2 and len(cells):
+            cells = _sorted_with_sign(cells)
+        return Mesh(self.vertices[order], cells[np.lexsort(cells.T[::-1])])
+
+
+def _sorted_with_sign(cells: Integers) -> Integers:
+    """Rows sorted; the last two entries swapped where sorting was an odd permutation."""
+    order = np.argsort(cells, axis=1)
+    inversions = sum(
+        (order[:, i] > order[:, j]).astype(np.int64)
+        for i in range(order.shape[1])
+        for j in range(i + 1, order.shape[1])
+    )
+    ordered = np.take_along_axis(cells, order, axis=1)
+    odd = np.asarray(inversions) % 2 == 1
+    ordered[odd, -2:] = ordered[odd, -2:][:, ::-1]
+    return ordered

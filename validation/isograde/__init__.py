@@ -1,0 +1,1 @@
+"""A grader for isosurface extractors: fields, doors, truths, claims and reports."""
