@@ -81,4 +81,4 @@ def peak_memory(run: Callable[[], object], interval: float = 0.002) -> int:
         done.set()
         watcher.join()
     del result
-    return highest - before
+    return int(highest - before)

@@ -1,6 +1,7 @@
 """Isosurface extraction, written to be read.
 
-Each module is an article about one idea; start with `isoref.cube`, then `isoref.asymptotic_decider`.
+Each module is an article about one idea. Start with `isoref.cube`, then read
+`isoref.asymptotic_decider`.
 """
 
 from isoref.field import Field, FieldError

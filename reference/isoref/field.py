@@ -113,7 +113,8 @@ class Field:
 
     def position(self, index: ArrayLike) -> Floats:
         """``origin + index * spacing`` for fractional indices of shape (.., n)."""
-        return np.asarray(self.origin) + np.asarray(index, float) * np.asarray(self.spacing)
+        steps: Floats = np.asarray(index, float) * np.asarray(self.spacing)
+        return steps + np.asarray(self.origin)
 
 
 def _check_samples(samples: Array, n: int) -> None:

@@ -75,7 +75,7 @@ class Mesh:
     @property
     def dimension(self) -> int:
         """k, the dimension of the simplices."""
-        return self.simplices.shape[1] - 1
+        return int(self.simplices.shape[1]) - 1
 
     def __repr__(self) -> str:
         return (
