@@ -113,8 +113,8 @@ class Field:
 
     def position(self, index: ArrayLike) -> Floats:
         """``origin + index * spacing`` for fractional indices of shape (.., n)."""
-        steps: Floats = np.asarray(index, float) * np.asarray(self.spacing)
-        return steps + np.asarray(self.origin)
+        place: Floats = np.multiply(index, self.spacing) + np.asarray(self.origin, np.float64)
+        return place
 
 
 def _check_samples(samples: Array, n: int) -> None:
