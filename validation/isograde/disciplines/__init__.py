@@ -1,0 +1,1 @@
+"""Disciplines beside surfaces: contours (2-D), curves, simplices."""

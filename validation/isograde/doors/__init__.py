@@ -1,0 +1,1 @@
+"""Ways to an implementation: ``python:``, ``exec:``, ``dir:`` and the ready-made ones."""

@@ -1,0 +1,1 @@
+"""Oracles. None shares code, numbering or arithmetic with what it judges."""
