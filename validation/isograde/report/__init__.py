@@ -1,0 +1,1 @@
+"""What the grader writes: JSON lines, HTML, Markdown, JUnit XML, a badge."""
