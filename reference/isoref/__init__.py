@@ -6,5 +6,6 @@ Each module is an article about one idea. Start with `isoref.cube`, then read
 
 from isoref.field import Field, FieldError
 from isoref.mesh import Mesh
+from isoref.methods import METHODS, extract
 
-__all__ = ["Field", "FieldError", "Mesh"]
+__all__ = ["METHODS", "Field", "FieldError", "Mesh", "extract"]

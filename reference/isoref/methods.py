@@ -1,0 +1,54 @@
+"""The catalogue: every extractor of surfaces from volumes, by name.
+
+A method is a function of a scalar `Field` on a 3-D lattice and an isovalue, and returns a `Mesh`
+of triangles. `extract` is the same for whoever has an array and a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from numpy.typing import ArrayLike
+
+from isoref import asymptotic_decider, lorensen_cline
+from isoref.field import Field
+from isoref.mesh import Mesh
+from isoref.rule import Rule
+from isoref.sweep import sweep
+
+Method = Callable[[Field, float], Mesh]
+
+RULES: dict[str, Rule] = {
+    rule.name: rule
+    for rule in (
+        lorensen_cline.RULE,
+        asymptotic_decider.RULE,
+    )
+}
+
+METHODS: dict[str, Method] = {name: partial(sweep, rule) for name, rule in RULES.items()}
+
+
+def extract(
+    values: ArrayLike,
+    isovalue: float,
+    spacing: float | Sequence[float] | None = None,
+    origin: Sequence[float] | None = None,
+    method: str = "asymptotic-decider",
+) -> Mesh:
+    """The isosurface of an array, by the method of this name.
+
+    Raises
+    ------
+    ValueError
+        for a method that is not in the catalogue
+    FieldError
+        for an array that is no field, or an isovalue that is no number
+
+    >>> extract([[[1, 0], [0, 0]], [[0, 0], [0, 0]]], 0.5)
+    Mesh(3 vertices in R^3, 1 simplices of dimension 2)
+    """
+    if method not in METHODS:
+        raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
+    return METHODS[method](Field.of(values, spacing, origin), isovalue)

@@ -1,0 +1,88 @@
+"""Rules: what one cell does, said once for one cell and for a million.
+
+A cube algorithm is a rule. Its two halves are kept apart, as the papers keep them apart:
+
+*decisions*
+    which numbers are compared on an ambiguous face or inside the cell, written with array
+    arithmetic, so that the same lines serve one cell and a million;
+*tile*
+    pure combinatorics, from signs and decisions to oriented triangles, called once for each pair
+    that occurs.
+
+A sweep (`isoref.sweep`) carries a rule over a field.
+
+Glossary
+--------
+g           (8, n) corner values minus the isovalue, of n cells; inside is g >= 0
+decisions   an integer of `Rule.bits` bits; by custom bit f says that the inside corners of
+            ambiguous face f are separated, and further bits speak of the interior
+node        0 .. 11 the point where the surface crosses that edge; 12, 13, .. interior points
+placement   how an interior point is placed: from g (8, n) and the crossings (12, n, 3), in
+            coordinates of the cell (0 .. 1 on each axis; NaN on an edge that is not crossed), to
+            n points (n, 3)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from isoref.cube import ambiguous_faces
+from isoref.cycles import Triangle
+from isoref.field import Floats, Integers
+
+Placement = Callable[[Floats, Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """The surface in one cell: oriented triangles on nodes, and its interior points."""
+
+    triangles: tuple[Triangle, ...]
+    interior: tuple[Placement, ...] = ()
+
+
+@dataclass(frozen=True)
+class Average:
+    """The placement at the mean of some crossed edges' points.
+
+    >>> crossings = np.zeros((12, 1, 3)); crossings[0, 0] = [0.5, 0, 0]
+    >>> Average((0, 1))(np.zeros((8, 1)), crossings)
+    array([[0.25, 0.  , 0.  ]])
+    """
+
+    nodes: tuple[int, ...]
+
+    def __call__(self, g: Floats, crossings: Floats) -> Floats:
+        """The mean points, (n, 3)."""
+        return np.asarray(crossings[list(self.nodes)].mean(axis=0))
+
+
+def has_ambiguous_face(signs: int) -> bool:
+    """Whether any face is ambiguous: the cells for which face decisions are needed."""
+    return bool(ambiguous_faces(signs))
+
+
+def no_decisions(g: Floats) -> Integers:
+    """Zero for each cell: the rule compares no numbers."""
+    return np.zeros(g.shape[1], np.int64)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A cube algorithm: its name and its two halves.
+
+    name : as the catalogue knows it
+    tile : signs, decisions -> the surface in the cell
+    decisions : g (8, n) -> (n,) integers of `bits` bits
+    asks : signs -> whether decisions are needed; where not, they are 0
+    bits : how many bits a decision has; the proof by enumeration runs through all of them
+    """
+
+    name: str
+    tile: Callable[[int, int], Tile]
+    decisions: Callable[[Floats], Integers] = no_decisions
+    asks: Callable[[int], bool] = has_ambiguous_face
+    bits: int = 0

@@ -1,0 +1,39 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from isoref.field import Field, FieldError
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"values": [[1.0, np.nan]]}, r"sample \(0, 1\) is nan"),
+        ({"values": [[1.0, np.inf]]}, r"sample \(0, 1\) is inf"),
+        ({"values": np.zeros((2, 0))}, "no samples"),
+        ({"values": 3.0}, "rank 0"),
+        ({"values": np.zeros((2, 2)), "dimension": 3}, "rank 2"),
+        ({"values": ["a"]}, "not real numbers"),
+        ({"values": [1j]}, "not real numbers"),
+        ({"values": [1.0], "spacing": 0}, "positive"),
+        ({"values": [1.0], "origin": [0, 0]}, "origin"),
+    ],
+)
+def test_what_is_no_field_is_refused_with_what_and_where(
+    arguments: dict[str, Any], message: str
+) -> None:
+    """Design: NaN, infinities, empty arrays, wrong ranks give a clear error."""
+    with pytest.raises(FieldError, match=message):
+        Field.of(**arguments)
+
+
+def test_components_come_first_where_the_dimension_is_named() -> None:
+    """A field of m components on an n-dimensional lattice has rank n + 1."""
+    field = Field.of(np.zeros((2, 3, 4, 5)), dimension=3)
+    assert (field.components, field.shape, field.dimension) == (2, (3, 4, 5), 3)
+
+
+def test_samples_are_not_copied() -> None:
+    """Large volumes are held once."""
+    values = np.zeros((3, 3, 3), np.int16)
+    assert Field.of(values).values is values

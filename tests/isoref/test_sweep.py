@@ -1,0 +1,115 @@
+import isoref.sweep
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from isoref.field import Array, Field, FieldError
+from isoref.mesh import Mesh
+from isoref.methods import RULES
+from isoref.rule import Rule
+from isoref.sweep import inside_samples, least_inside, sweep, sweep_plain, sweep_with_cells
+
+
+def assert_same(a: Mesh, b: Mesh) -> None:
+    """Both meshes are equal, number for number, up to the numbering of vertices."""
+    a, b = a.canonical(), b.canonical()
+    assert np.array_equal(a.vertices, b.vertices)
+    assert np.array_equal(a.simplices, b.simplices)
+
+
+def corners(mesh: Mesh) -> list[list[float]]:
+    """The nine coordinates of each triangle's corners."""
+    listed: list[list[float]] = mesh.vertices[mesh.simplices].reshape(-1, 9).tolist()
+    return listed
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+@pytest.mark.parametrize("shape", [(2, 2, 2), (3, 2, 2), (5, 6, 7), (4, 9, 3)])
+@pytest.mark.parametrize("slab_points", [10, 130, 1 << 20])
+def test_both_sweeps_give_the_same_mesh_on_noise(
+    rule: Rule, shape: tuple[int, int, int], slab_points: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every fast path has a plain twin; wherever the slabs are cut."""
+    monkeypatch.setattr(isoref.sweep, "SLAB_POINTS", slab_points)
+    values = np.random.default_rng(7).normal(size=shape)
+    field = Field.of(values, spacing=(1, 2, 0.5), origin=(3, -1, 2))
+    assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+@given(
+    values=hnp.arrays(
+        st.sampled_from([np.uint8, np.int16, np.float32]),
+        st.tuples(*[st.integers(2, 4)] * 3),
+        elements=st.integers(0, 3),
+    ),
+    isovalue=st.sampled_from([0, 1, 1.5, 2, 3, 4]),
+)
+@settings(max_examples=40)
+def test_both_sweeps_put_every_triangle_in_place_with_ties(
+    rule: Rule, values: Array, isovalue: float
+) -> None:
+    """Samples on the isovalue and integer types are no exception.
+
+    Vertices may coincide there, so triangles are compared by their corners' positions.
+    """
+    field = Field.of(values)
+    fast, plain = sweep(rule, field, isovalue), sweep_plain(rule, field, isovalue)
+    assert len(fast.vertices) == len(plain.vertices)
+    corners = [
+        np.sort(mesh.vertices[mesh.simplices].reshape(-1, 9), axis=0) for mesh in (fast, plain)
+    ]
+    assert np.array_equal(*corners)
+
+
+def test_triangles_come_in_the_order_of_their_cells() -> None:
+    """`sweep_with_cells` names for each triangle the cell that holds its vertices."""
+    values = np.random.default_rng(3).normal(size=(5, 4, 6))
+    mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 0.0)
+    assert np.all(np.diff(cells) >= 0)
+    low = np.stack(np.unravel_index(cells, (4, 3, 5)), axis=1)[:, None]
+    points = mesh.vertices[mesh.simplices]
+    assert np.all((low <= points) & (points <= low + 1))
+
+
+def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
+    """The convention is value >= isovalue, compared exactly and not in the samples' precision."""
+    for kind in (np.float16, np.float32, np.float64):
+        middle = kind(0.3)
+        samples = np.array(
+            [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
+        )
+        exact = [float(s) >= 0.3 for s in samples]
+        assert (samples >= least_inside(samples.dtype, 0.3)).tolist() == exact
+    mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
+    assert mask.tolist() == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize("isovalue", [-1e9, 1e9, 300])
+def test_an_isovalue_out_of_range_gives_an_empty_mesh(isovalue: float) -> None:
+    """Design: an isovalue outside the range is no error."""
+    field = Field.of(np.arange(8, dtype=np.uint8).reshape(2, 2, 2))
+    mesh = sweep(RULES["asymptotic-decider"], field, isovalue)
+    assert mesh.vertices.shape == (0, 3)
+    assert mesh.simplices.shape == (0, 3)
+
+
+@pytest.mark.parametrize("shape", [(1, 5, 5), (5, 1, 5), (1, 1, 1)])
+def test_a_lattice_one_sample_thick_has_no_cells(shape: tuple[int, int, int]) -> None:
+    """No cell, no surface."""
+    field = Field.of(np.random.default_rng(0).normal(size=shape))
+    for make in (sweep, sweep_plain):
+        assert len(make(RULES["asymptotic-decider"], field, 0).simplices) == 0
+
+
+def test_a_field_that_is_no_volume_is_refused() -> None:
+    """Wrong rank: a clear error."""
+    with pytest.raises(FieldError, match="3-D lattice"):
+        sweep(RULES["asymptotic-decider"], Field.of(np.zeros((3, 3))), 0)
+
+
+def test_an_isovalue_that_is_no_number_is_refused() -> None:
+    """NaN: a clear error."""
+    with pytest.raises(FieldError, match="not finite"):
+        sweep(RULES["asymptotic-decider"], Field.of(np.zeros((3, 3, 3))), float("nan"))
