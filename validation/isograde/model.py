@@ -58,10 +58,11 @@ class Conventions:
     """How an implementation differs from the house's conventions; the defaults are the house's.
 
     tie : side on which a sample equal to the isovalue counts
-    normals : where right-hand normals point
+    normals : where right-hand normals point, in the implementation's own coordinates
     axes : order of a vertex's coordinates: of the array's axes, or reversed
     units : vertices scaled by the spacing, or counted in samples
     nan : what a sample that is not a number does: an error, or something else
+    empty : what a field without a surface gives: an empty mesh, or an error
     """
 
     tie: Literal["inside", "outside"] = "inside"
@@ -69,6 +70,7 @@ class Conventions:
     axes: Literal["array", "reversed"] = "array"
     units: Literal["world", "index"] = "world"
     nan: Literal["raises", "answers"] = "raises"
+    empty: Literal["mesh", "raises"] = "mesh"
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,7 @@ class Status(StrEnum):
 
     OK = "ok"
     RAISED = "raised"
+    DECLINED = "declined"  # it said that it does not do this case: verdict unsupported
     GARBAGE = "garbage"  # it answered with something that is no pair of arrays
     CRASH = "crash"
     TIMEOUT = "timeout"

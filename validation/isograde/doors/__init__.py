@@ -1,1 +1,48 @@
-"""Ways to an implementation: ``python:``, ``exec:``, ``dir:`` and the ready-made ones."""
+"""Ways to an implementation.
+
+``python:package.module:function``, ``python:file.py:function``
+    a Python function (`isograde.doors.loading` says how to write one)
+``exec:command``
+    any program, in any language (`isograde.doors.exec`)
+``dir:path``
+    meshes computed elsewhere (`isograde.doors.directory`)
+``skimage:lewiner``, ``isoref:asymptotic-decider``, ..
+    ready-made names (`ready_made_names`)
+
+Every implementation runs in a process of its own with a time and a memory limit.
+"""
+
+from __future__ import annotations
+
+import difflib
+
+from isograde.doors.python import PythonDoor
+from isograde.doors.ready_made import READY_MADE
+from isograde.model import Door, DoorError
+
+__all__ = ["open_door", "ready_made_names"]
+
+
+def ready_made_names() -> list[str]:
+    """The names of the doors that come with the grader, whether or not their library is here."""
+    return sorted(READY_MADE)
+
+
+def open_door(spec: str) -> Door:
+    """The door that `spec` names, not yet opened.
+
+    Raises
+    ------
+    DoorError
+        for a name that is unknown; the message lists what is close.
+
+    >>> open_door("skimage:lewinner")
+    Traceback (most recent call last):
+    isograde.model.DoorError: unknown implementation 'skimage:lewinner'; did you mean skimage:lewiner?
+    """
+    kind, _, rest = spec.partition(":")
+    if spec in READY_MADE or (kind == "python" and rest):
+        return PythonDoor(spec)
+    close = difflib.get_close_matches(spec, READY_MADE, n=3)
+    hint = f"did you mean {', '.join(close)}?" if close else "`isograde list implementations`"
+    raise DoorError(f"unknown implementation {spec!r}; {hint}")

@@ -1,0 +1,239 @@
+"""A child process that is watched: how long it takes, what memory it holds, what it prints.
+
+The child speaks through its standard input and output. Reading and writing never wait beyond a
+deadline, and every `TICK` seconds of waiting the memory of the child and of its children is
+looked up. A child that dies, hangs or grows too large ends in `Ended`, which says how.
+
+The child leads a process group of its own, and the whole group is killed with it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import tempfile
+import time
+import weakref
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import psutil
+
+from isograde.model import Limits, Status
+
+TICK = 0.02
+# Look for grandchildren only every so many ticks: it walks the whole process table.
+FAMILY_TICKS = 10
+# What a child may print before the log is emptied, and how much of it a report quotes.
+LOG_BYTES = 1 << 26
+QUOTED_BYTES = 2000
+CHUNK = 1 << 20
+MEGABYTE = 1 << 20
+
+
+class Ended(Exception):
+    """The child can no longer be used; `status` and the message say why."""
+
+    def __init__(self, status: Status, detail: str):
+        super().__init__(detail)
+        self.status = status
+
+
+class Child:
+    """A running process, with logs of what it printed.
+
+    Attributes
+    ----------
+    peak_bytes : largest memory seen since `allow`, while waiting
+    """
+
+    def __init__(
+        self,
+        command: Sequence[str] | str,
+        *,
+        guarded: bool = False,
+        directory: Path | None = None,
+    ):
+        """Start `command`, a string for the shell or a sequence of words.
+
+        With `guarded` the child gets one more word: the number of a descriptor to which it turns
+        its standard output once it has put the protocol's aside.
+        """
+        self.errors = tempfile.TemporaryFile()
+        self.prints = tempfile.TemporaryFile()
+        extra = (self.prints.fileno(),) if guarded else ()
+        for log in (self.errors, self.prints):
+            _append_only(log.fileno())
+        self.process = subprocess.Popen(
+            command if isinstance(command, str) else [*command, *map(str, extra)],
+            shell=isinstance(command, str),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.errors,
+            pass_fds=extra,
+            cwd=directory,
+            start_new_session=True,
+            bufsize=0,
+        )
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self._outgoing = self.process.stdin.fileno()
+        self._incoming = self.process.stdout.fileno()
+        os.set_blocking(self._outgoing, False)
+        os.set_blocking(self._incoming, False)
+        self._kill = weakref.finalize(self, _kill_group, self.process)
+        self._buffer = bytearray()
+        self.allow(Limits())
+
+    def allow(self, limits: Limits) -> None:
+        """From now on the child may take this long and this much."""
+        self._limits = limits
+        self._deadline = time.monotonic() + limits.seconds
+        self._ticks = 0
+        self.peak_bytes = 0
+
+    def write(self, buffers: Iterable[bytes | memoryview]) -> None:
+        """The child has been sent all of the buffers; raises `Ended`."""
+        for buffer in buffers:
+            rest = memoryview(buffer)
+            while rest:
+                try:
+                    rest = rest[os.write(self._outgoing, rest) :]
+                except BlockingIOError:
+                    self._wait(self._outgoing, select.POLLOUT)
+                except BrokenPipeError:
+                    raise self._death() from None
+
+    def read(self, count: int) -> bytearray:
+        """The next `count` bytes of the child; raises `Ended`."""
+        while len(self._buffer) < count:
+            self._more(count - len(self._buffer))
+        if len(self._buffer) == count:
+            taken, self._buffer = self._buffer, bytearray()
+            return taken
+        taken = self._buffer[:count]
+        del self._buffer[:count]
+        return taken
+
+    def read_line(self, limit: int = 64 * CHUNK) -> bytes:
+        """The next line of the child, without its end; raises `Ended`."""
+        seen = 0
+        while (end := self._buffer.find(b"\n", seen)) < 0:
+            seen = len(self._buffer)
+            if seen > limit:
+                raise Ended(Status.GARBAGE, f"a line of more than {limit:,} bytes on stdout")
+            self._more(CHUNK)
+        return bytes(self.read(end + 1)[:-1])
+
+    def unread(self) -> bytes:
+        """What the child sent without being asked, as far as it has arrived; now forgotten."""
+        with contextlib.suppress(BlockingIOError):
+            self._buffer += os.read(self._incoming, CHUNK)
+        rest, self._buffer = bytes(self._buffer), bytearray()
+        return rest
+
+    def said(self, log: str = "errors") -> str:
+        """The end of what the child wrote to stderr ("errors") or stdout ("prints")."""
+        file = self.errors if log == "errors" else self.prints
+        size = os.fstat(file.fileno()).st_size
+        text = os.pread(file.fileno(), QUOTED_BYTES, max(0, size - QUOTED_BYTES))
+        return text.decode(errors="replace").strip()
+
+    def finish(self, patience: float = 1.0) -> int | None:
+        """The exit status of the child, which is asked to end and killed when it does not."""
+        assert self.process.stdin is not None
+        self.process.stdin.close()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(patience)
+        status = self.process.returncode
+        self.kill()
+        return status
+
+    def kill(self) -> None:
+        """The child and its whole group are dead, its pipes and logs closed."""
+        self._kill()
+        for stream in (self.process.stdin, self.process.stdout, self.errors, self.prints):
+            if stream is not None:
+                stream.close()
+
+    def _more(self, wanted: int) -> None:
+        """At least one more byte stands in the buffer; raises `Ended`."""
+        while True:
+            try:
+                chunk = os.read(self._incoming, max(wanted, 1 << 16))
+            except BlockingIOError:
+                self._wait(self._incoming, select.POLLIN)
+                continue
+            if not chunk:
+                raise self._death()
+            self._buffer += chunk
+            return
+
+    def _wait(self, descriptor: int, event: int) -> None:
+        """The descriptor is ready; raises `Ended` when the child breaks a limit before that."""
+        poll = select.poll()
+        poll.register(descriptor, event)
+        while not poll.poll(1000 * max(0.0, min(TICK, self._deadline - time.monotonic()))):
+            if time.monotonic() >= self._deadline:
+                raise Ended(Status.TIMEOUT, f"no answer within {self._limits.seconds:g} s")
+            self._check_memory()
+            self._trim_logs()
+            self._ticks += 1
+            if self.process.poll() is not None and not poll.poll(0):
+                raise self._death()
+
+    def _check_memory(self) -> None:
+        """Nothing, or `Ended` where the child and its children hold more than they may."""
+        try:
+            leader = psutil.Process(self.process.pid)
+            family = [leader]
+            if self._ticks % FAMILY_TICKS == FAMILY_TICKS - 1:
+                family += leader.children(recursive=True)
+            held = sum(process.memory_info().rss for process in family)
+        except psutil.Error:
+            return  # It ended while it was looked at; the next read says how.
+        self.peak_bytes = max(self.peak_bytes, held)
+        if held > self._limits.megabytes * MEGABYTE:
+            limit = f"{held // MEGABYTE} MB held, {self._limits.megabytes} MB allowed"
+            raise Ended(Status.MEMORY, limit)
+
+    def _trim_logs(self) -> None:
+        """Logs that grew beyond all use are emptied."""
+        for log in (self.errors, self.prints):
+            if os.fstat(log.fileno()).st_size > LOG_BYTES:
+                log.truncate(0)
+
+    def _death(self) -> Ended:
+        """How the child died, with the end of what it said."""
+        try:
+            code = self.process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            return Ended(Status.CRASH, "it closed the pipe to the grader")
+        how = f"exited with status {code}" if code >= 0 else f"killed by {_signal_name(-code)}"
+        said = self.said()
+        return Ended(Status.CRASH, f"{how}; last words: {said}" if said else how)
+
+
+def _append_only(descriptor: int) -> None:
+    """Whoever writes to the file writes at its end, even after it was emptied."""
+    import fcntl
+
+    fcntl.fcntl(descriptor, fcntl.F_SETFL, os.O_APPEND)
+
+
+def _signal_name(number: int) -> str:
+    """The name of a signal, or its number where it has none."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def _kill_group(process: subprocess.Popen[bytes]) -> None:
+    """The process and its group are dead and collected."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

@@ -1,0 +1,77 @@
+"""Declarations: what an implementation says of itself, as JSON.
+
+Every door reads the same object, whichever way it comes: a Python attribute, the answer of a
+command to ``start``, a file beside meshes. All entries are optional, and what is left out is the
+house's: level 2, the conventions of `isograde.model.Conventions`, nothing withheld::
+
+    {"name": "mine", "version": "1.2", "level": 3,
+     "conventions": {"tie": "outside", "normals": "to_high", "axes": "reversed",
+                     "units": "index", "nan": "answers", "empty": "raises"},
+     "without": ["linear-crossing"], "discipline": "surfaces", "notes": "reads float32 only"}
+
+``without`` names properties the implementation does not promise; a claim about one of them is
+unsupported, neither held against it nor counted for it. `isograde list claims` names them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from isograde.model import Conventions, Declaration, DoorError
+
+
+def declaration_from(data: object, name: str) -> Declaration:
+    """The declaration that `data` spells out, named `name` where it names nothing.
+
+    Raises
+    ------
+    DoorError
+        for an entry that is unknown or out of range; the message says which and what is allowed.
+
+    >>> declaration_from({"level": 3, "conventions": {"tie": "outside"}}, "mine").level
+    3
+    >>> declaration_from({"level": 7}, "mine")
+    Traceback (most recent call last):
+    isograde.model.DoorError: the declaration of mine: level: 7 is greater than the maximum of 4
+    """
+    check_json(data, "declaration", f"the declaration of {name}")
+    assert isinstance(data, Mapping), "the schema asks for an object"
+    said = dict(data)
+    conventions = Conventions(**said.pop("conventions", {}))
+    without = frozenset(said.pop("without", ()))
+    return Declaration(**{"name": name, **said, "conventions": conventions, "without": without})
+
+
+def declaration_json(declaration: Declaration) -> dict[str, Any]:
+    """The declaration as JSON; `declaration_from` reads it back.
+
+    >>> declared = Declaration("mine", level=1, without=frozenset({"welded"}))
+    >>> declaration_from(declaration_json(declared), "other") == declared
+    True
+    """
+    return {**asdict(declaration), "without": sorted(declaration.without)}
+
+
+def check_json(data: object, part: str, what: str) -> None:
+    """Nothing, where `data` follows `part` of the protocol's schema; else raises `DoorError`."""
+    import jsonschema
+
+    definitions = protocol_schema()["$defs"]
+    validator = jsonschema.Draft202012Validator({"$defs": definitions, "$ref": f"#/$defs/{part}"})
+    error = next(iter(validator.iter_errors(data)), None)
+    if error is not None:
+        where = "/".join(map(str, error.absolute_path))
+        raise DoorError(f"{what}: {where + ': ' if where else ''}{error.message}")
+
+
+@cache
+def protocol_schema() -> dict[str, Any]:
+    """The JSON schema of every message that passes a door."""
+    text = files("isograde.doors").joinpath("protocol.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema
