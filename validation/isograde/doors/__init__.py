@@ -36,13 +36,13 @@ def open_door(spec: str) -> Door:
     DoorError
         for a name that is unknown; the message lists what is close.
 
-    >>> open_door("skimage:lewinner")
+    >>> open_door("skimage:levine")
     Traceback (most recent call last):
-    isograde.model.DoorError: unknown implementation 'skimage:lewinner'; did you mean skimage:lewiner?
+    isograde.model.DoorError: no implementation 'skimage:levine'; did you mean skimage:lewiner?
     """
     kind, _, rest = spec.partition(":")
     if spec in READY_MADE or (kind == "python" and rest):
         return PythonDoor(spec)
-    close = difflib.get_close_matches(spec, READY_MADE, n=3)
-    hint = f"did you mean {', '.join(close)}?" if close else "`isograde list implementations`"
-    raise DoorError(f"unknown implementation {spec!r}; {hint}")
+    close = difflib.get_close_matches(spec, READY_MADE, n=1)
+    hint = f"did you mean {close[0]}?" if close else "`isograde list implementations`"
+    raise DoorError(f"no implementation {spec!r}; {hint}")

@@ -10,6 +10,7 @@ The child leads a process group of its own, and the whole group is killed with i
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import select
 import signal
@@ -34,7 +35,7 @@ CHUNK = 1 << 20
 MEGABYTE = 1 << 20
 
 
-class Ended(Exception):
+class Ended(Exception):  # noqa: N818 - an outcome of the child, not a fault of ours
     """The child can no longer be used; `status` and the message say why."""
 
     def __init__(self, status: Status, detail: str):
@@ -62,8 +63,8 @@ class Child:
         With `guarded` the child gets one more word: the number of a descriptor to which it turns
         its standard output once it has put the protocol's aside.
         """
-        self.errors = tempfile.TemporaryFile()
-        self.prints = tempfile.TemporaryFile()
+        self.errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
+        self.prints = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         extra = (self.prints.fileno(),) if guarded else ()
         for log in (self.errors, self.prints):
             _append_only(log.fileno())
@@ -84,6 +85,7 @@ class Child:
         self._incoming = self.process.stdout.fileno()
         os.set_blocking(self._outgoing, False)
         os.set_blocking(self._incoming, False)
+        _widen(self._outgoing, self._incoming)
         self._kill = weakref.finalize(self, _kill_group, self.process)
         self._buffer = bytearray()
         self.allow(Limits())
@@ -109,13 +111,13 @@ class Child:
 
     def read(self, count: int) -> bytearray:
         """The next `count` bytes of the child; raises `Ended`."""
-        while len(self._buffer) < count:
-            self._more(count - len(self._buffer))
-        if len(self._buffer) == count:
-            taken, self._buffer = self._buffer, bytearray()
-            return taken
-        taken = self._buffer[:count]
-        del self._buffer[:count]
+        taken = bytearray(count)
+        have = min(count, len(self._buffer))
+        taken[:have] = self._buffer[:have]
+        del self._buffer[:have]
+        rest = memoryview(taken)[have:]
+        while rest:
+            rest = rest[self._fill(rest) :]
         return taken
 
     def read_line(self, limit: int = 64 * CHUNK) -> bytes:
@@ -125,7 +127,8 @@ class Child:
             seen = len(self._buffer)
             if seen > limit:
                 raise Ended(Status.GARBAGE, f"a line of more than {limit:,} bytes on stdout")
-            self._more(CHUNK)
+            space = bytearray(CHUNK)
+            self._buffer += space[: self._fill(memoryview(space))]
         return bytes(self.read(end + 1)[:-1])
 
     def unread(self) -> bytes:
@@ -159,18 +162,17 @@ class Child:
             if stream is not None:
                 stream.close()
 
-    def _more(self, wanted: int) -> None:
-        """At least one more byte stands in the buffer; raises `Ended`."""
+    def _fill(self, space: memoryview) -> int:
+        """The number of bytes, at least one, that were read into `space`; raises `Ended`."""
         while True:
             try:
-                chunk = os.read(self._incoming, max(wanted, 1 << 16))
+                count = os.readv(self._incoming, [space])
             except BlockingIOError:
                 self._wait(self._incoming, select.POLLIN)
                 continue
-            if not chunk:
+            if not count:
                 raise self._death()
-            self._buffer += chunk
-            return
+            return count
 
     def _wait(self, descriptor: int, event: int) -> None:
         """The descriptor is ready; raises `Ended` when the child breaks a limit before that."""
@@ -217,10 +219,16 @@ class Child:
         return Ended(Status.CRASH, f"{how}; last words: {said}" if said else how)
 
 
+def _widen(*pipes: int) -> None:
+    """The pipes hold as much as an unprivileged process may ask for, where the system can."""
+    if hasattr(fcntl, "F_SETPIPE_SZ"):
+        for pipe in pipes:
+            with contextlib.suppress(OSError):
+                fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, CHUNK)
+
+
 def _append_only(descriptor: int) -> None:
     """Whoever writes to the file writes at its end, even after it was emptied."""
-    import fcntl
-
     fcntl.fcntl(descriptor, fcntl.F_SETFL, os.O_APPEND)
 
 

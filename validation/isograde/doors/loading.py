@@ -106,7 +106,9 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
     try:
         said = said() if callable(said) else said
     except Exception as error:
-        raise DoorError(f"{spec}: its declaration raised {type(error).__name__}: {error}") from error
+        raise DoorError(
+            f"{spec}: its declaration raised {type(error).__name__}: {error}"
+        ) from error
     return function, declaration_from(said, spec)
 
 

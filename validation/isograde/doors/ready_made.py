@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from dataclasses import field as fresh
 from functools import partial
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-import numpy as np
+from isoref.field import Field
+from isoref.methods import METHODS
 from numpy.typing import NDArray
 
 from isograde.doors.loading import Extract
@@ -33,7 +34,7 @@ class ReadyMade:
 
     load: Callable[[], tuple[Extract, str]]
     install: str
-    conventions: Conventions = Conventions()
+    conventions: Conventions = fresh(default_factory=Conventions)
     level: int = 2
     without: frozenset[str] = fresh(default_factory=frozenset)
     notes: str = ""
@@ -45,6 +46,14 @@ class ReadyMade:
         )
 
 
+def _version(distribution: str) -> str:
+    """The installed version, or "source" where the code is used without being installed."""
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return "source"
+
+
 def _skimage(method: str) -> tuple[Extract, str]:
     """`skimage.measure.marching_cubes` with this method."""
     from skimage.measure import marching_cubes
@@ -52,28 +61,23 @@ def _skimage(method: str) -> tuple[Extract, str]:
     def extract(values: Values, isovalue: float, spacing: Spacing) -> Any:
         return marching_cubes(values, isovalue, spacing=spacing, method=method)[:2]
 
-    return extract, version("scikit-image")
+    return extract, _version("scikit-image")
 
 
 def _isoref(name: str) -> tuple[Extract, str]:
     """The method of the reference with this name."""
-    from isoref.field import Field
-    from isoref.methods import METHODS
-
     method = METHODS[name]
 
     def extract(values: Values, isovalue: float, spacing: Spacing) -> Any:
         mesh = method(Field.of(values, spacing), isovalue)
         return mesh.vertices, mesh.simplices
 
-    return extract, version("isograde")
+    return extract, _version("isograde")
 
 
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
 
 READY_MADE: dict[str, ReadyMade] = {
-    f"skimage:{method}": ReadyMade(
-        partial(_skimage, method), "pip install scikit-image", _SKIMAGE
-    )
+    f"skimage:{method}": ReadyMade(partial(_skimage, method), "pip install scikit-image", _SKIMAGE)
     for method in ("lewiner", "lorensen")
-}
+} | {f"isoref:{name}": ReadyMade(partial(_isoref, name), "reinstall isograde") for name in METHODS}

@@ -1,4 +1,4 @@
-"""The process in which a Python implementation runs; started as ``python -m isograde.doors.worker``.
+"""The process in which a Python implementation runs: ``python -m isograde.doors.worker``.
 
 It puts the protocol's pipe aside and turns descriptor 1 to a log, so that whatever the
 implementation or a library under it prints cannot mix with the protocol. It answers a first frame
@@ -117,9 +117,7 @@ def _call(extract: Extract, header: Header, samples: NDArray[Any]) -> tuple[Head
     return {**report, "changed": _differ(samples, given)}, arrays
 
 
-def _outcome(
-    extract: Extract, given: NDArray[Any], header: Header
-) -> tuple[Status, str, object]:
+def _outcome(extract: Extract, given: NDArray[Any], header: Header) -> tuple[Status, str, object]:
     """What the implementation did. An exit is let through: it ends the process, as it would."""
     try:
         return Status.OK, "", extract(given, header["isovalue"], tuple(header["spacing"]))
