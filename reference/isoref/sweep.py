@@ -24,13 +24,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from dataclasses import field as fresh
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, axis_of
-from isoref.field import Booleans, Field, FieldError, Floats, Integers, check_isovalue
+from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, check_isovalue
 from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
 
@@ -184,7 +184,10 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
 
 
 class _Tiles:
-    """The tiles met so far, as flat tables that a whole slab can be looked up in at once."""
+    """The tiles met so far, as flat tables that a whole slab can be looked up in at once.
+
+    A key is signs + 256 * decisions.
+    """
 
     def __init__(self, rule: Rule) -> None:
         self.rule = rule
@@ -197,12 +200,11 @@ class _Tiles:
         self.nodes = np.empty((0, 3), np.int64)
 
     def learn(self, keys: Integers) -> None:
-        """Make the tables hold the tile of every key, signs + 256 * decisions, that occurs."""
+        """Make the tables hold the tile of every key that occurs."""
         occurring = np.flatnonzero(np.bincount(keys, minlength=len(self.count)))
-        new = [int(key) for key in occurring if int(key) not in self.known]
         rows = [self.nodes]
         end = len(self.nodes)
-        for key in new:
+        for key in (int(k) for k in occurring if int(k) not in self.known):
             tile = self.rule.tile(key & 255, key >> 8)
             self.known[key] = tile
             self.count[key], self.start[key] = len(tile.triangles), end
@@ -222,170 +224,195 @@ class _Piece:
     interior: Floats
 
 
-@dataclass
+@dataclass(frozen=True)
+class _Volume:
+    """The field as the slabs need it, and the arrays they use one after the other."""
+
+    field: Field
+    isovalue: float
+    planes: int  # of cells in a slab, at most
+    block: Booleans  # a slab's points, compared
+    scratch: Booleans  # two more of the size of `block`
+    vertex_of: NDArray[np.int32]  # lattice edge 3 * point + axis -> vertex of this slab
+
+    @classmethod
+    def of(cls, field: Field, isovalue: float) -> _Volume:
+        """The volume, with room for slabs of about `SLAB_POINTS` points."""
+        n1, n2, n3 = field.shape
+        planes = min(n1 - 1, max(1, SLAB_POINTS // (n2 * n3)))
+        points = (planes + 2) * (n2 + 1) * (n3 + 1)
+        return cls(
+            field,
+            isovalue,
+            planes,
+            np.empty(points, np.bool_),
+            np.empty((2, points), np.bool_),
+            np.empty(3 * points, np.int32),
+        )
+
+
 class _Slab:
     """Some planes of the lattice with one plane of phantoms behind each upper border.
 
     first, planes : the planes of cells this slab turns into triangles
     shape : of the padded block of points, (planes + 2, N2 + 1, N3 + 1)
-    inside : its flat mask
+    samples : the slab's samples, flat, without padding
+    inside : whether each point is inside, flat, padded by repeating the border
     """
 
-    field: Field
-    isovalue: float
-    first: int
-    planes: int
-    shape: tuple[int, int, int] = fresh(init=False)
-    inside: Booleans = fresh(init=False)
-
-    def __post_init__(self) -> None:
-        """Compare the samples; repeat the last plane of each axis where none follows."""
-        _, n2, n3 = self.field.shape
+    def __init__(self, volume: _Volume, first: int) -> None:
+        n1, n2, n3 = volume.field.shape
+        self.volume = volume
+        self.first = first
+        self.planes = min(volume.planes, n1 - 1 - first)
         self.shape = (self.planes + 2, n2 + 1, n3 + 1)
-        block = np.empty(self.shape, np.bool_)
-        samples = self.field.values[self.first : self.first + self.planes + 2]
-        level = least_inside(samples.dtype, self.isovalue)
-        np.greater_equal(samples, level, out=block[: len(samples), :n2, :n3])
-        block[len(samples) :, :n2, :n3] = block[len(samples) - 1, :n2, :n3]
+        self.is_last = first + self.planes == n1 - 1
+        samples = volume.field.values[first : first + self.planes + 2]
+        self.samples = np.ascontiguousarray(samples).reshape(-1)
+        self.inside = volume.block[: self.shape[0] * self.shape[1] * self.shape[2]]
+        self._compare(samples)
+
+    def _compare(self, samples: Array) -> None:
+        """Fill `inside`; repeat the last plane of each axis where none follows."""
+        n, n2, n3 = samples.shape
+        block = self.inside.reshape(self.shape)
+        level = least_inside(samples.dtype, self.volume.isovalue)
+        np.greater_equal(samples, level, out=block[:n, :n2, :n3])
+        block[n:, :n2, :n3] = block[n - 1, :n2, :n3]
         block[:, n2] = block[:, n2 - 1]
         block[:, :, n3] = block[:, :, n3 - 1]
-        self.inside = block.reshape(-1)
-
-    def active_cells(self) -> Integers:
-        """The cells, phantoms included, that have corners on both sides, in order."""
-        block = self.inside.reshape(self.shape)
-        some = block[:, :, :-1] | block[:, :, 1:]
-        every = block[:, :, :-1] & block[:, :, 1:]
-        some = some[:, :-1] | some[:, 1:]
-        every = every[:, :-1] & every[:, 1:]
-        active = np.zeros(self.shape, np.bool_)
-        mixed = active[:-1, :-1, :-1]
-        np.logical_or(some[:-1], some[1:], out=mixed)
-        mixed ^= every[:-1] & every[1:]
-        return np.flatnonzero(active)
 
     def steps(self) -> Integers:
         """How far each corner of a cell is from its lower corner, in points."""
         _, b, c = self.shape
         return np.asarray(CORNER_OFFSETS @ np.array([b * c, c, 1]))
 
+    def strides(self) -> Integers:
+        """How far neighbours along each axis are apart in `samples`."""
+        _, n2, n3 = self.volume.field.shape
+        return np.array([n2 * n3, n3, 1])
+
+    def active_cells(self) -> Integers:
+        """The cells, phantoms included, that have corners on both sides, in order."""
+        size = len(self.inside)
+        some, every = self.inside, self.inside
+        # Combine neighbours along the axes in turn, on the flat arrays, where a row's end meets
+        # the next row's beginning: what comes out there is cleared at the end.
+        for step in self.steps()[[1, 2, 4]]:
+            size -= int(step)
+            out = self.volume.scratch[:, :size]
+            some = np.logical_or(some[:size], some[step : step + size], out=out[0])
+            every = np.logical_and(every[:size], every[step : step + size], out=out[1])
+        mixed = np.not_equal(some, every, out=some)
+        active = self.volume.scratch[0, : len(self.inside)]
+        active[len(mixed) :] = False
+        active = active.reshape(self.shape)
+        active[-1] = active[:, -1] = active[:, :, -1] = False
+        return np.flatnonzero(active)
+
     def index(self, points: Integers) -> Integers:
-        """Lattice indices (n, 3) of points."""
+        """Lattice indices (3, n) of points."""
         plane, rest = np.divmod(points, self.shape[1] * self.shape[2])
         row, column = np.divmod(rest, self.shape[2])
-        return np.stack([plane + self.first, row, column], axis=1)
+        return np.stack([plane + self.first, row, column])
 
-    def values(self, index: Integers) -> Floats:
-        """Samples minus the isovalue at lattice indices (n, 3)."""
-        samples = self.field.values[index[:, 0], index[:, 1], index[:, 2]]
-        return samples.astype(np.float64) - self.isovalue
+    def values(self, index: Integers, step: Integers | int = 0) -> Floats:
+        """Samples minus the isovalue at lattice indices (3, n), or `step` samples behind them."""
+        plane, row, column = self.strides()
+        flat = (index[0] - self.first) * plane + index[1] * row + index[2] * column + step
+        samples: Floats = self.samples.take(flat).astype(np.float64)
+        return samples - self.volume.isovalue
 
-
-def _slabs(field: Field, isovalue: float) -> Iterator[_Slab]:
-    """The volume, cut into slabs of about `SLAB_POINTS` points."""
-    n1, n2, n3 = field.shape
-    planes = max(1, SLAB_POINTS // (n2 * n3))
-    for first in range(0, n1 - 1, planes):
-        yield _Slab(field, isovalue, first, min(planes, n1 - 1 - first))
+    def corner_values(self, index: Integers) -> Floats:
+        """G (8, n), the relative values at the corners of n cells with indices (3, n)."""
+        return np.stack([self.values(index, s) for s in CORNER_OFFSETS @ self.strides()])
 
 
 def _pieces(tiles: _Tiles, field: Field, isovalue: float) -> Iterator[_Piece]:
     """One piece a slab; vertices are numbered through, interior points count down from -1."""
+    volume = _Volume.of(field, isovalue)
     made = made_inside = 0
-    for slab in _slabs(field, isovalue):
-        last = slab.first + slab.planes == field.shape[0] - 1
-        piece = _piece(tiles, slab, made, made_inside, last)
+    for first in range(0, field.shape[0] - 1, volume.planes):
+        piece = _piece(tiles, _Slab(volume, first), made, made_inside)
         made += len(piece.vertices)
         made_inside += len(piece.interior)
         yield piece
 
 
-def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int, last: bool) -> _Piece:
+def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int) -> _Piece:
     """What this slab adds to `made` vertices and `made_inside` interior points."""
     cells = slab.active_cells()
+    index = slab.index(cells)
     signs = np.zeros(len(cells), np.int64)
     for c, step in enumerate(slab.steps()):
-        signs |= slab.inside[cells + step].astype(np.int64) << c
+        signs |= slab.inside.take(cells + step).astype(np.int64) << c
 
     # Number the crossings of the three lower edges of each cell, and remember them by edge.
-    low = np.stack([signs ^ signs >> (1 << a) for a in range(3)], axis=1) & 1
-    owned_edges = (3 * cells[:, None] + np.arange(3))[low == 1]
-    vertex_of = np.empty(3 * len(slab.inside), np.int64)
-    vertex_of[owned_edges] = np.arange(made, made + len(owned_edges))
+    crossed = np.stack([signs ^ signs >> 1, signs ^ signs >> 2, signs ^ signs >> 4], axis=1) & 1
+    row, axis = np.nonzero(crossed)
+    slab.volume.vertex_of[3 * cells[row] + axis] = np.arange(len(row), dtype=np.int32)
     # Leave the edges that start in the next slab's first plane to that slab.
-    plane_points = slab.shape[1] * slab.shape[2]
-    end = (slab.planes + last) * plane_points
-    vertices = _crossing_points(slab, owned_edges[: np.searchsorted(owned_edges, 3 * end)])
+    bound = np.array(slab.volume.field.shape) - 1
+    bound[0] = slab.first + slab.planes
+    own = len(row) if slab.is_last else int(np.searchsorted(index[0][row], bound[0]))
+    vertices = _crossing_points(slab, index, row[:own], axis[:own])
 
-    real = _real_cells(slab, cells)
-    cells, keys = cells[real], _keys(tiles, slab, cells[real], signs[real])
+    # Leave the phantoms out: they own vertices, but have no surface.
+    real = np.flatnonzero((index < bound[:, None]).all(axis=0))
+    cells, index = cells[real], index[:, real]
+    keys = _keys(tiles, slab, index, signs[real])
     tiles.learn(keys)
-    triangles, owner = _gather(tiles, slab, cells, keys, vertex_of, made_inside)
-    flat = np.ravel_multi_index(slab.index(cells).T, [n - 1 for n in slab.field.shape])
-    interior = _interior_points(tiles, slab, cells, keys)
-    return _Piece(vertices, triangles, np.asarray(flat)[owner], interior)
+    triangles, owner = _gather(tiles, slab, cells, keys, made, made_inside)
+    flat = np.ravel_multi_index(tuple(index), tuple(n - 1 for n in slab.volume.field.shape))
+    interior = _interior_points(tiles, slab, index, keys)
+    return _Piece(vertices, triangles, flat[owner], interior)
 
 
-def _crossing_points(slab: _Slab, edges: Integers) -> Floats:
-    """Positions (n, 3) of the crossings of lattice edges, 3 * point + axis."""
-    points, axes = np.divmod(edges, 3)
-    low = slab.index(points)
-    high = low.copy()
-    rows = np.arange(len(edges))
-    high[rows, axes] += 1
-    place = low.astype(np.float64)
-    place[rows, axes] += crossing_parameter(slab.values(low), slab.values(high))
-    return slab.field.position(place)
+def _crossing_points(slab: _Slab, index: Integers, row: Integers, axis: Integers) -> Floats:
+    """Positions (n, 3) of the crossings of each lattice edge from index[:, row] along its axis."""
+    field = slab.volume.field
+    low = index[:, row]
+    t = crossing_parameter(slab.values(low), slab.values(low, slab.strides()[axis]))
+    points = np.empty((len(row), 3))
+    for a in range(3):
+        place = low[a] + np.where(axis == a, t, 0.0)
+        points[:, a] = place * field.spacing[a] + field.origin[a]
+    return points
 
 
-def _real_cells(slab: _Slab, cells: Integers) -> Booleans:
-    """Which of the cells are no phantoms and belong to this slab."""
-    index = slab.index(cells)
-    bound = (slab.first + slab.planes, slab.field.shape[1] - 1, slab.field.shape[2] - 1)
-    return np.asarray((index < np.array(bound)).all(axis=1))
-
-
-def _corner_values(slab: _Slab, cells: Integers) -> Floats:
-    """G (8, n), the relative values at the corners of n cells."""
-    index = slab.index(cells)
-    return np.stack([slab.values(index + offset) for offset in CORNER_OFFSETS])
-
-
-def _keys(tiles: _Tiles, slab: _Slab, cells: Integers, signs: Integers) -> Integers:
-    """Signs + 256 * decisions for each cell, the decisions taken only where the rule asks."""
+def _keys(tiles: _Tiles, slab: _Slab, index: Integers, signs: Integers) -> Integers:
+    """The key of each cell, its decisions taken only where the rule asks."""
     asked = np.flatnonzero(tiles.asks[signs])
     keys = signs.copy()
     if tiles.rule.bits and len(asked):
-        keys[asked] |= tiles.rule.decisions(_corner_values(slab, cells[asked])) << 8
+        keys[asked] |= tiles.rule.decisions(slab.corner_values(index[:, asked])) << 8
     return keys
 
 
 def _gather(
-    tiles: _Tiles,
-    slab: _Slab,
-    cells: Integers,
-    keys: Integers,
-    vertex_of: Integers,
-    made_inside: int,
+    tiles: _Tiles, slab: _Slab, cells: Integers, keys: Integers, made: int, made_inside: int
 ) -> tuple[Integers, Integers]:
     """The triangles (T, 3) of all cells in order, and for each the number of its cell."""
     count = tiles.count[keys]
     owner = np.repeat(np.arange(len(cells)), count)
-    behind = np.cumsum(count) - count
-    nodes = tiles.nodes[(tiles.start[keys] - behind)[owner] + np.arange(len(owner))]
+    tile_row = (tiles.start[keys] - np.cumsum(count) + count)[owner] + np.arange(len(owner))
     # Look up the crossing at each node: edge e of a cell is the lower edge of another.
     edge_step = 3 * slab.steps()[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
-    on_edge = nodes < 12
-    step = np.append(edge_step, 0)[np.minimum(nodes, 12)]
-    triangles = vertex_of[np.where(on_edge, 3 * cells[owner][:, None] + step, 0)]
-    if not on_edge.all():
-        own = tiles.interior[keys]
-        first = made_inside + np.cumsum(own) - own
-        triangles = np.where(on_edge, triangles, -1 - (first[owner][:, None] + nodes - 12))
+    step = np.append(edge_step, 0)[np.minimum(tiles.nodes, 12)]
+    base = 3 * cells[owner]
+    triangles = np.empty((len(owner), 3), np.int64)
+    for k in range(3):
+        edge = base + step[:, k].take(tile_row)
+        np.add(slab.volume.vertex_of.take(edge), made, out=triangles[:, k])
+    if tiles.interior[keys].any():
+        nodes = tiles.nodes[tile_row]
+        first = made_inside + np.cumsum(tiles.interior[keys]) - tiles.interior[keys]
+        inner = -1 - (first[owner][:, None] + nodes - 12)
+        triangles = np.where(nodes < 12, triangles, inner)
     return triangles, owner
 
 
-def _interior_points(tiles: _Tiles, slab: _Slab, cells: Integers, keys: Integers) -> Floats:
+def _interior_points(tiles: _Tiles, slab: _Slab, index: Integers, keys: Integers) -> Floats:
     """Positions of the interior points of all cells, cell by cell."""
     own = tiles.interior[keys]
     first = np.cumsum(own) - own
@@ -393,9 +420,9 @@ def _interior_points(tiles: _Tiles, slab: _Slab, cells: Integers, keys: Integers
     having = np.flatnonzero(own)
     for key in np.flatnonzero(np.bincount(keys[having], minlength=1)):
         rows = having[keys[having] == key]
-        g = _corner_values(slab, cells[rows])
+        g = slab.corner_values(index[:, rows])
         crossings = cell_crossings(g)
-        low = slab.index(cells[rows])
         for k, place in enumerate(tiles.known[int(key)].interior):
-            points[first[rows] + k] = slab.field.position(low + place(g, crossings))
+            at = index[:, rows].T + place(g, crossings)
+            points[first[rows] + k] = slab.volume.field.position(at)
     return points
