@@ -1,0 +1,363 @@
+"""Real volumes, read by the libraries that know their formats.
+
+Measured data are what extractors meet: integers full of ties, noise, thin walls, surfaces that run
+into the border. One small MRI comes with nibabel and is always there; others are used where they
+are found, and a run never downloads anything.
+
+Glossary
+--------
+volume    an entry of `REGISTRY`: what it is, where it is published, under which licence
+present   its file lies in the folder that the environment variable ISOGRADE_DATA names, in the
+          download cache, or in an installed package
+crop      a block from the middle, small enough for the default run
+
+Axes are those of the array as its library gives it, except that raw and VTK files, which count x
+fastest, are (z, y, x). A checksum is stated only where the file was at hand to compute it; None
+means that nobody here has seen the bytes.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from isoref.field import Field, FieldError
+from numpy.typing import NDArray
+
+from isograde.model import Case
+
+OPEN_SCIVIS = "https://klacansky.com/open-scivis-datasets"
+
+
+class VolumeError(RuntimeError):
+    """A volume cannot be read; the message says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Volume:
+    """A published data set.
+
+    name, title : how it is called here, and what it shows
+    file : its file's name
+    shape, dtype : of the array, in the order of its axes
+    isovalues : worth a surface
+    licence, source : as the source states them; where it is described
+    url : direct address of the file, or None
+    sha256 : of the file, or None where it was never at hand
+    spacing : where the file does not say
+    package : the installed package that ships it, or None
+    focus : where blocks are cut, as a fraction of each axis
+    """
+
+    name: str
+    title: str
+    file: str
+    shape: tuple[int, int, int]
+    dtype: str
+    isovalues: tuple[float, ...]
+    licence: str
+    source: str
+    url: str | None = None
+    sha256: str | None = None
+    spacing: tuple[float, float, float] | None = None
+    package: str | None = None
+    focus: tuple[float, float, float] = (0.5, 0.5, 0.5)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return int(np.prod(self.shape))
+
+
+def find(volume: Volume) -> Path | None:
+    """Where the volume's file is on this machine, or None."""
+    places = [folder / volume.file for folder in _folders(volume)]
+    return next((place for place in places if place.is_file()), None)
+
+
+def _folders(volume: Volume) -> list[Path]:
+    """Folders that may hold the file."""
+    folders = []
+    if os.environ.get("ISOGRADE_DATA"):
+        folders.append(Path(os.environ["ISOGRADE_DATA"]))
+    if volume.package == "nibabel":
+        try:
+            from nibabel.testing import data_path
+        except ImportError:
+            pass  # The package is an extra: without it, its volumes are absent.
+        else:
+            folders.append(Path(data_path))
+    return [*folders, cache_folder()]
+
+
+def cache_folder() -> Path:
+    """Where `fetch` keeps downloads: XDG_CACHE_HOME/isograde, or ~/.cache/isograde."""
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "isograde"
+
+
+def fetch(volume: Volume) -> Path:
+    """The file of a volume, downloaded from its public address where it is not present.
+
+    Raises
+    ------
+    VolumeError
+        where it has no address, pooch is not installed, or the download fails.
+    """
+    place = find(volume)
+    if place is not None:
+        return place
+    if volume.url is None:
+        raise VolumeError(f"{volume.name} has no direct address; get it from {volume.source}")
+    pooch = _library("pooch")
+    known = f"sha256:{volume.sha256}" if volume.sha256 else None
+    try:
+        got = pooch.retrieve(volume.url, known, fname=volume.file, path=cache_folder())
+    except (OSError, ValueError) as error:
+        raise VolumeError(f"{volume.url} could not be downloaded: {error}") from error
+    return Path(got)
+
+
+def read(path: Path, *, volume: Volume | None = None) -> Field:
+    """The scalar field in a file, by its ending: npy, npz, nrrd, nii, tif, vti, vtk, raw.
+
+    An .npz holds `values` and, if it likes, `spacing` and `origin`. Of a series the first volume is
+    taken, of several arrays the first scalar one. A .raw needs a registered `volume`.
+
+    Raises
+    ------
+    VolumeError
+        for a missing file, an unknown ending, a missing library, or a file that is no volume.
+    """
+    if not path.is_file():
+        raise VolumeError(f"{path} is not a file")
+    ending = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
+    reader = READERS.get(ending.lower())
+    if reader is None and not (ending == ".raw" and volume is not None):
+        raise VolumeError(f"{path.name} ends in none of {', '.join(sorted(READERS))}")
+    try:
+        field = reader(path) if reader is not None else _raw(path, volume)
+    except (OSError, ValueError, KeyError) as error:
+        raise VolumeError(f"{path} cannot be read: {error}") from error
+    if volume is not None and volume.spacing is not None:
+        field = Field.of(field.values, volume.spacing)
+    return field
+
+
+def _library(name: str) -> Any:
+    """The module of this name, or an error that names the extra to install."""
+    try:
+        return __import__(name)
+    except ImportError as error:
+        advice = 'pip install "isograde[data]"'
+        raise VolumeError(f"{name} is needed and does not load ({error}); {advice}") from error
+
+
+def _native(values: Any) -> NDArray[Any]:
+    """The samples in this machine's byte order."""
+    samples = np.asarray(values)
+    return samples.astype(samples.dtype.newbyteorder("="), copy=False)
+
+
+def _npy(path: Path) -> Field:
+    """A NumPy array."""
+    return Field.of(_native(np.load(path, allow_pickle=False)), dimension=3)
+
+
+def _npz(path: Path) -> Field:
+    """The arrays `values`, `spacing`, `origin` of a NumPy archive."""
+    with np.load(path, allow_pickle=False) as archive:
+        if "values" not in archive:
+            raise FieldError(f"it holds {sorted(archive)}, and no array named values")
+        return Field.of(archive["values"], archive.get("spacing"), archive.get("origin"))
+
+
+def _nrrd(path: Path) -> Field:
+    """An NRRD file; the spacing from its directions where it has them."""
+    nrrd = _library("nrrd")
+    try:
+        values, header = nrrd.read(str(path))
+    except nrrd.NRRDError as error:
+        raise FieldError(str(error)) from error
+    directions = header.get("space directions")
+    spacing = header.get("spacings")
+    if directions is not None:
+        spacing = np.linalg.norm(np.asarray(directions, float), axis=1)
+    return Field.of(_native(values), spacing)
+
+
+def _nifti(path: Path) -> Field:
+    """A NIfTI file, as stored (scaling applied only where the header scales)."""
+    nibabel = _library("nibabel")
+    try:
+        image: Any = nibabel.load(path)
+    except nibabel.filebasedimages.ImageFileError as error:
+        raise FieldError(str(error)) from error
+    slope, intercept = image.dataobj.slope, image.dataobj.inter
+    scaled = (slope, intercept) != (1.0, 0.0)
+    values = np.asarray(image.dataobj) if scaled else image.dataobj.get_unscaled()
+    first = values[(...,) + (0,) * (values.ndim - 3)] if values.ndim > 3 else values
+    return Field.of(_native(first), [float(zoom) for zoom in image.header.get_zooms()[:3]])
+
+
+def _tiff(path: Path) -> Field:
+    """A stack of TIFF pages."""
+    return Field.of(_native(_library("tifffile").imread(path)), dimension=3)
+
+
+def _vtk(path: Path) -> Field:
+    """The first scalar point array of a VTK image, axes (z, y, x)."""
+    grid: Any = _library("pyvista").read(path)
+    names = [name for name in grid.point_data if grid.point_data[name].ndim == 1]
+    if not names or not hasattr(grid, "spacing"):
+        raise FieldError("it holds no image with a scalar at each point")
+    values = np.asarray(grid.point_data[names[0]]).reshape(grid.dimensions[::-1])
+    return Field.of(values, grid.spacing[::-1])
+
+
+def _raw(path: Path, volume: Volume | None) -> Field:
+    """Bare samples, as the registered volume describes them."""
+    assert volume is not None
+    values = np.fromfile(path, np.dtype(volume.dtype))
+    if values.size != volume.samples:
+        raise FieldError(f"it holds {values.size} samples, {volume.shape} has {volume.samples}")
+    return Field.of(values.reshape(volume.shape))
+
+
+READERS: dict[str, Callable[[Path], Field]] = {
+    ".npy": _npy,
+    ".npz": _npz,
+    ".nrrd": _nrrd,
+    ".nhdr": _nrrd,
+    ".nii": _nifti,
+    ".nii.gz": _nifti,
+    ".tif": _tiff,
+    ".tiff": _tiff,
+    ".vti": _vtk,
+    ".vtk": _vtk,
+}
+
+
+@lru_cache(maxsize=2)
+def load(name: str) -> Field:
+    """The field of a registered volume that is present."""
+    volume = REGISTRY[name]
+    path = find(volume)
+    if path is None:
+        raise VolumeError(f"{name} is not on this machine; see {volume.source}")
+    return read(path, volume=volume)
+
+
+def block(name: str, sides: tuple[int, int, int]) -> Field:
+    """A block of at most this many samples a side round the focus of a volume."""
+    whole, focus = load(name), REGISTRY[name].focus
+    cut = tuple(
+        slice(start := min(max(int(n * share) - side // 2, 0), max(n - side, 0)), start + side)
+        for n, share, side in zip(whole.shape, focus, sides, strict=True)
+    )
+    return Field.of(np.ascontiguousarray(whole.values[cut]), whole.spacing)
+
+
+SMALL, LARGE = 32, 128
+# Read a volume of more samples than this only where ``--full`` allows the time.
+QUICK = 20_000_000
+
+
+def cases(seed: int = 0) -> list[Case]:
+    """A small and a large ("full") block of every present volume at each of its isovalues."""
+    del seed
+    present = [volume for volume in REGISTRY.values() if find(volume) is not None]
+    return [
+        _case(volume, isovalue, side)
+        for volume in present
+        for side in (SMALL, LARGE)
+        for isovalue in volume.isovalues
+    ]
+
+
+def _case(volume: Volume, isovalue: float, side: int) -> Case:
+    """The case of one volume, isovalue and largest side of a block."""
+    cut = [min(side, n) for n in volume.shape]
+    name = f"real/{volume.name}-{isovalue:g}-{'x'.join(map(str, cut))}"
+    full = side > SMALL or volume.samples > QUICK
+    tags = frozenset({"real", "full"} if full else {"real"})
+    build = partial(block, volume.name, (side, side, side))
+    return Case(name, build, isovalue, int(np.prod(cut)), tags)
+
+
+def _scivis(
+    name: str, title: str, xyz: tuple[int, int, int], dtype: str, isovalue: float
+) -> Volume:
+    """An entry of the Open Scientific Visualization Datasets; dims are given x, y, z."""
+    file = f"{name}_{xyz[0]}x{xyz[1]}x{xyz[2]}_{dtype}.raw"
+    address = f"{OPEN_SCIVIS}/{name}/{file}"
+    shape = (xyz[2], xyz[1], xyz[0])
+    return Volume(name, title, file, shape, dtype, (isovalue,), "none stated", OPEN_SCIVIS, address)
+
+
+_NIBABEL = "https://nipy.org/nibabel"
+_VTK_DATA = "https://github.com/pyvista/vtk-data"
+
+_ENTRIES = [
+    Volume(
+        "nibabel-anatomical", "MRI T1 of a head, downsampled; shipped with nibabel",
+        "anatomical.nii", (33, 41, 25), "int16", (5000.5, 9000.0), "MIT", _NIBABEL,
+        package="nibabel",
+    ),
+    Volume(
+        "nibabel-example4d", "MRI, first of two volumes; shipped with nibabel",
+        "example4d.nii.gz", (128, 96, 24), "int16", (250.0,), "MIT", _NIBABEL,
+        package="nibabel",
+    ),
+    Volume(
+        "bunny", "Stanford terra-cotta bunny, CT", "bunny_ct.npz", (361, 512, 512), "int16",
+        (1807.0, 1500.0), "none stated", "https://graphics.stanford.edu/data/voldata",
+        sha256="a690827663f8c857074604a65a658c0a17868cc33a1e7807a8a4223dc68d2da7",
+    ),
+    Volume(
+        "headsq", "CT head of VTK, quarter resolution", "headsq.npz", (93, 64, 64), "uint16",
+        (1150.0, 500.0), "BSD-3-Clause", _VTK_DATA,
+        sha256="5dfb5d0b76122b374d767ea2a8962f4765539a4330783578edbb9bea4e5b723c",
+    ),
+    Volume(
+        "tooth", "CT tooth, Seg3D test data", "tooth.npz", (161, 94, 103), "uint16", (640.0,),
+        "MIT", "https://github.com/SCIInstitute/Seg3D",
+        sha256="d8d1096f9241e8b50de6d3218ae4f63d80ef5da4f636636f538a25ba270e911a",
+    ),
+    Volume(
+        "stroke", "MRI T1, brain with a lesion, very folded", "stroke_T1.nii.gz",
+        (124, 160, 140), "uint8", (80.0,), "MIT", "none given",
+        sha256="8e28e653578a2cd21d15064da5b089db16a205887c76baed8a65d01e8f2ab79e",
+    ),
+    Volume(
+        "carotid", "MR angiography of the carotid artery", "carotid.vtk", (45, 49, 76),
+        "float32", (200.0,), "BSD-3-Clause", _VTK_DATA,
+        sha256="3f5dac7baa8ed60fa094f67b918d55add4d55f1d498fad587d1850915f60032d",
+    ),
+    Volume(
+        "aneurism", "rotational angiography of an aneurysm", "aneurism.vti", (256, 256, 256),
+        "uint8", (100.0,), "none stated", OPEN_SCIVIS, focus=(0.6, 0.4, 0.5),
+        sha256="469de79bbc82771432de6bb8634a69749c2210b024c43abf499dfa38a9a5a9b1",
+    ),
+    Volume(
+        "fiberform", "x-ray micro-CT of carbon-fibre insulation", "fiberform.tif",
+        (100, 100, 100), "uint8", (90.0,), "NASA Open Source Agreement 1.3",
+        "https://github.com/nasa/puma",
+        sha256="1386f825c71272f2cac7a7dbf8c82a25387b70c379655c02a843f6150edbe861",
+    ),
+    _scivis("fuel", "simulated fuel injection", (64, 64, 64), "uint8", 50),
+    _scivis("neghip", "electron density of a protein", (64, 64, 64), "uint8", 100),
+    _scivis("nucleon", "two-body distribution of a nucleon", (41, 41, 41), "uint8", 140),
+    _scivis("silicium", "silicium grid", (98, 34, 34), "uint8", 120),
+    _scivis("hydrogen_atom", "electron of a hydrogen atom", (128, 128, 128), "uint8", 30),
+    _scivis("engine", "CT of two cylinders of an engine block", (256, 256, 128), "uint8", 100),
+    _scivis("lobster", "CT of a lobster in resin", (301, 324, 56), "uint8", 60),
+    _scivis("bonsai", "CT of a bonsai tree", (256, 256, 256), "uint8", 40),
+    _scivis("skull", "rotational x-ray of a skull phantom", (256, 256, 256), "uint8", 80),
+    _scivis("foot", "rotational x-ray of a foot", (256, 256, 256), "uint8", 90),
+]  # fmt: skip
+REGISTRY: dict[str, Volume] = {volume.name: volume for volume in _ENTRIES}
