@@ -48,7 +48,7 @@ def integers(name: str, seed: int, shape: tuple[int, ...], low: int, high: int) 
 
 def magnitudes(name: str, seed: int, shape: tuple[int, ...]) -> Floats:
     """Multiples of the step in [1/16, 1), for samples that must stand clear of the isovalue."""
-    return integers(name, seed, shape, 64, 1024) * STEP
+    return np.asarray(integers(name, seed, shape, 64, 1024) * STEP, np.float64)
 
 
 def uniform(name: str, seed: int, shape: tuple[int, ...]) -> Floats:
