@@ -6,12 +6,15 @@ contestants in turn, A B C A B C .., and quotes medians and ratios of the same r
 
 from __future__ import annotations
 
+import ctypes
 import gc
+import multiprocessing
 import statistics
 import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 
 import psutil
 
@@ -55,16 +58,40 @@ def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5)
     ]
 
 
-def peak_memory(run: Callable[[], object], interval: float = 0.002) -> int:
-    """Bytes by which the resident memory of this process rose at its highest while `run` ran.
+def peak_memory(run: Callable[[], object], interval: float = 0.001) -> int:
+    """Bytes by which resident memory rose at its highest while `run` ran in a child process.
 
-    Sampled every `interval` seconds from another thread, so that native code is counted too; a
-    shorter spike can be missed.
+    The child is forked, so that `run` may be any closure, and what earlier runs left in the
+    allocator is handed back first. Sampled every `interval` seconds from a thread, so that native
+    code is counted too; a shorter spike can be missed. POSIX only.
+
+    Raises
+    ------
+    RuntimeError
+        where the child died, with its exit code.
     """
-    process = psutil.Process()
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    child = context.Process(target=_report_peak, args=(run, interval, sender))
+    child.start()
+    sender.close()
+    try:
+        return int(receiver.recv())
+    except EOFError:
+        child.join()
+        raise RuntimeError(f"the measured call ended with exit code {child.exitcode}") from None
+    finally:
+        child.join()
+
+
+def _report_peak(run: Callable[[], object], interval: float, sender: Connection) -> None:
+    """Send the rise of resident memory while `run` ran."""
     gc.collect()
-    before = process.memory_info().rss
-    highest = before
+    libc = ctypes.CDLL(None)
+    if hasattr(libc, "malloc_trim"):
+        libc.malloc_trim(0)
+    process = psutil.Process()
+    before = highest = process.memory_info().rss
     done = threading.Event()
 
     def watch() -> None:
@@ -74,11 +101,9 @@ def peak_memory(run: Callable[[], object], interval: float = 0.002) -> int:
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
-    try:
-        result = run()
-        highest = max(highest, process.memory_info().rss)
-    finally:
-        done.set()
-        watcher.join()
+    result = run()
+    highest = max(highest, process.memory_info().rss)
+    done.set()
+    watcher.join()
     del result
-    return int(highest - before)
+    sender.send(highest - before)
