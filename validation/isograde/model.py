@@ -82,7 +82,8 @@ class Declaration:
     level: int = 2
     conventions: Conventions = Conventions()
     discipline: str = "surfaces"
-    # Properties it does not promise: "welded", "spacing", "linear-crossing", "dtype:uint8", ..
+    # Properties it does not promise, each named by a claim's `unless`: "welded" (faces share
+    # vertices), "spacing", "on-edges", "linear-crossing", "symmetric-choices", ..
     without: frozenset[str] = frozenset()
     notes: str = ""
 
@@ -207,7 +208,8 @@ class Claim:
     weld : which vertices count as one: "as given", or "exact" (equal coordinates)
     judge : decides a trial
     tags : a case is judged when it has one of these (empty: every case)
-    variants : the variants the judge compares with the plain outcome
+    variants : the variants the judge compares with the plain outcome; one that the case's
+        values do not allow (see `isograde.variants`) is absent from the trial
     needs_mesh : False for judges that look at the raw outcome (structure, robustness)
     unless : a declaration's `without` entry that makes this claim unsupported
     """
@@ -223,6 +225,10 @@ class Claim:
     needs_mesh: bool = True
     unless: frozenset[str] = frozenset()
     discipline: str = "surfaces"
+
+    def applies_to(self, case: Case) -> bool:
+        """The claim is judged on this case."""
+        return not self.tags or bool(self.tags & case.tags)
 
 
 @dataclass(frozen=True)

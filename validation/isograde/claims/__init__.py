@@ -1,5 +1,8 @@
 """Every claim the grader judges, by id: one module a family, each with a tuple ``CLAIMS``."""
 
+from isograde.claims import structure, topology
 from isograde.model import Claim
 
-CLAIMS: dict[str, Claim] = {}
+FAMILIES = (structure, topology)
+
+CLAIMS: dict[str, Claim] = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}

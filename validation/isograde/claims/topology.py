@@ -1,0 +1,189 @@
+"""Claims on how the mesh hangs together, and on which side of it the samples are (level 1).
+
+Vertices count as one where the implementation says so, by sharing an index. There is one
+exception, and it is only for fields with *ties*, samples that stand on the surface to within the
+tolerance: an implementation may have one vertex or several there, and leave out the faces without
+area between them. Where such a mesh is open as given, vertices of exactly equal coordinates are
+welded before it is judged. And as sheets may touch at a tied sample, an edge or a vertex that is
+not manifold there is not held against a mesh.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from isograde.claims.evidence import (
+    failed,
+    judged_surface,
+    off_border,
+    off_ties,
+    on_triangles,
+    passed,
+    place,
+    steps_of,
+    surface_of,
+)
+from isograde.model import Claim, Finding, Judge, Trial
+
+WELDED = frozenset({"welded"})
+HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
+NIELSON = "Nielson & Hamann 1991, section 1 and Figure 3: the holes of the marching cubes method"
+
+
+def closed(trial: Trial) -> Finding:
+    """Pass when every edge off the border belongs to an even number of faces."""
+    surface = judged_surface(trial)
+    loose = off_border(trial, surface.open_edges, surface.points)
+    if not len(loose):
+        return passed(edges=len(surface.edges.ends))
+    welded = surface_of(trial).welded()
+    still = len(off_border(trial, welded.open_edges, welded.points))
+    advice = "" if still else "; it is closed once equal vertices are welded: share them"
+    a, b = surface.points[loose[0]]
+    return failed(
+        f"{len(loose)} boundary edges inside the volume, the first from index {place(a)} to "
+        f"{place(b)}{advice}",
+        boundary_edges=len(loose),
+        boundary_edges_after_welding=still,
+        first=[place(a), place(b)],
+    )
+
+
+def edge_manifold(trial: Trial) -> Finding:
+    """Pass when no edge belongs to more than two faces, but between tied samples."""
+    surface = judged_surface(trial)
+    crowded = surface.crowded_edges
+    if len(crowded):
+        tied = ~off_ties(trial, surface.points[crowded].reshape(-1, 3)).reshape(-1, 2)
+        crowded = crowded[~tied.any(axis=1)]
+    if not len(crowded):
+        return passed(edges=len(surface.edges.ends))
+    a, b = surface.points[crowded[0]]
+    return failed(
+        f"{len(crowded)} edges belong to more than two faces, the first from index {place(a)} to "
+        f"{place(b)}",
+        edges=len(crowded),
+        first=[place(a), place(b)],
+    )
+
+
+def vertex_manifold(trial: Trial) -> Finding:
+    """Pass when the faces round each vertex are one fan, but at tied samples."""
+    surface = judged_surface(trial)
+    bad = np.flatnonzero(surface.fans > 1)
+    if len(bad):
+        bad = bad[off_ties(trial, surface.points[bad])]
+    if not len(bad):
+        return passed(vertices=len(surface.points))
+    first = int(bad[0])
+    return failed(
+        f"{len(bad)} vertices where several sheets meet, the first at index "
+        f"{place(surface.points[first])} with {int(surface.fans[first])} fans",
+        vertices=len(bad),
+        first=place(surface.points[first]),
+    )
+
+
+def oriented(trial: Trial) -> Finding:
+    """Pass when the two faces of every edge run along it in opposite directions."""
+    surface = judged_surface(trial)
+    bad = surface.misdirected_edges
+    if not len(bad):
+        return passed(edges=len(surface.edges.ends))
+    a, b = surface.points[bad[0]]
+    return failed(
+        f"{len(bad)} edges whose faces turn opposite ways, the first from index {place(a)} to "
+        f"{place(b)}",
+        edges=len(bad),
+        first=[place(a), place(b)],
+    )
+
+
+def separates(trial: Trial) -> Finding:
+    """Pass when the winding number changes between two samples exactly where they differ."""
+    steps = steps_of(trial)
+    bad = np.flatnonzero(steps.unseparated)
+    if not len(bad):
+        return passed(crossed=len(steps.axis))
+    first = int(bad[0])
+    start = [int(i) for i in steps.sample[first]]
+    side = "the same side" if not steps.wanted[first] else "different sides"
+    return failed(
+        f"{len(bad)} steps between samples; from sample {start} along axis "
+        f"{int(steps.axis[first])} the samples are on {side}, and the mesh is crossed "
+        f"{int(steps.found[first]):+d} times",
+        steps=len(bad),
+        sample=start,
+        axis=int(steps.axis[first]),
+        crossings=int(steps.found[first]),
+        wanted=int(steps.wanted[first]),
+    )
+
+
+def facing(trial: Trial) -> Finding:
+    """Pass when the normal points the declared way wherever the mesh separates two samples."""
+    steps = steps_of(trial)
+    bad = np.flatnonzero(steps.reversed)
+    if not len(bad):
+        return passed(crossed=len(steps.axis))
+    first = int(bad[0])
+    start = [int(i) for i in steps.sample[first]]
+    declared = trial.declaration.conventions.normals
+    return failed(
+        f"on {len(bad)} of {len(steps.axis)} crossings, the first after sample {start} along axis "
+        f"{int(steps.axis[first])}, the right-hand normal is against the declared {declared!r}",
+        reversed=len(bad),
+        crossings=len(steps.axis),
+        sample=start,
+    )
+
+
+def _claim(name: str, rule: str, source: str, judge: Judge, welded: bool = True) -> Claim:
+    """A claim of this family: level 1, vertices as given."""
+    return Claim(
+        id=f"topology.{name}",
+        rule=rule,
+        source=source,
+        level=1,
+        judge=on_triangles(judge),
+        unless=WELDED if welded else frozenset(),
+    )
+
+
+CLAIMS = (
+    _claim(
+        "closed",
+        "The mesh has no boundary but on the border of the volume: every other edge belongs to an "
+        "even number of faces.",
+        NIELSON,
+        closed,
+    ),
+    _claim("edge_manifold", "No edge belongs to more than two faces.", HATCHER, edge_manifold),
+    _claim(
+        "vertex_manifold",
+        "The faces round every vertex are one fan: no two sheets meet in a point.",
+        HATCHER,
+        vertex_manifold,
+    ),
+    _claim(
+        "oriented",
+        "The faces of every edge run along it in opposite directions.",
+        HATCHER,
+        oriented,
+    ),
+    _claim(
+        "separates",
+        "The winding number of the mesh changes by one between neighbouring samples on different "
+        "sides and not at all between others; samples the mesh touches are bridged.",
+        "Lorensen & Cline 1987: the surface separates samples above from samples below",
+        separates,
+        welded=False,
+    ),
+    _claim(
+        "facing",
+        "Right-hand normals point the declared way wherever the mesh passes between two samples.",
+        "isograde design: from inside to outside, from high to low, unless declared",
+        facing,
+        welded=False,
+    ),
+)
