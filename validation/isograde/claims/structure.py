@@ -12,6 +12,7 @@ from isograde.model import Claim, Finding, Status, Trial, Verdict
 
 VERDICT_OF = {
     Status.RAISED: Verdict.ERROR,
+    Status.DECLINED: Verdict.UNSUPPORTED,
     Status.GARBAGE: Verdict.FAIL,
     Status.CRASH: Verdict.CRASH,
     Status.TIMEOUT: Verdict.TIMEOUT,
