@@ -43,6 +43,7 @@ References
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -169,7 +170,12 @@ def is_active(values: Array, alpha: float) -> Booleans:
     >>> is_active(np.array([0.7], np.float32), 0.7)
     array([False])
     """
-    return np.greater_equal(values, np.float64(alpha))
+    if values.dtype.kind in "iu":
+        threshold: int | np.float64 = math.ceil(alpha)
+    else:
+        threshold = np.float64(alpha)
+    active: Booleans = np.greater_equal(values, threshold)
+    return active
 
 
 def initial_contour_vectors(active: Booleans) -> Integers:
