@@ -343,13 +343,13 @@ def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int) -> _Piece:
     """What this slab adds to `made` vertices and `made_inside` interior points."""
     cells = slab.active_cells()
     index = slab.index(cells)
-    signs = np.zeros(len(cells), np.int64)
+    signs = np.zeros(len(cells), np.uint8)
     for c, step in enumerate(slab.steps()):
-        signs |= slab.inside.take(cells + step).astype(np.int64) << c
+        signs |= slab.inside.view(np.uint8).take(cells + step) << c
 
     # Number the crossings of the three lower edges of each cell, and remember them by edge.
-    crossed = np.stack([signs ^ signs >> 1, signs ^ signs >> 2, signs ^ signs >> 4], axis=1) & 1
-    row, axis = np.nonzero(crossed)
+    crossed = np.stack([signs ^ signs >> (1 << a) for a in range(3)], axis=1) & 1
+    row, axis = np.divmod(np.flatnonzero(crossed.view(np.bool_)), 3)
     slab.volume.vertex_of[3 * cells[row] + axis] = np.arange(len(row), dtype=np.int32)
     # Leave the edges that start in the next slab's first plane to that slab.
     bound = np.array(slab.volume.field.shape) - 1
@@ -360,7 +360,7 @@ def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int) -> _Piece:
     # Leave the phantoms out: they own vertices, but have no surface.
     real = np.flatnonzero((index < bound[:, None]).all(axis=0))
     cells, index = cells[real], index[:, real]
-    keys = _keys(tiles, slab, index, signs[real])
+    keys = _keys(tiles, slab, index, signs[real].astype(np.int64))
     tiles.learn(keys)
     triangles, owner = _gather(tiles, slab, cells, keys, made, made_inside)
     flat = np.ravel_multi_index(tuple(index), tuple(n - 1 for n in slab.volume.field.shape))
