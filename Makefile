@@ -7,7 +7,7 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: help grade test quick lint papers benchmarks reports clean
+.PHONY: help grade test quick lint papers benchmarks reports docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -16,6 +16,7 @@ help:
 	@echo "make lint        ruff and mypy"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/"
+	@echo "make docs        the site, in docs/_build"
 	@echo "make benchmarks  speed and memory beside the peers"
 
 $(STAMP): pyproject.toml constraints.txt
@@ -45,6 +46,10 @@ reports: $(STAMP)
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+
+docs: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	$(BIN)/python -m sphinx -W -q -b html docs docs/_build
 
 clean:
 	rm -rf $(VENV) report build dist
