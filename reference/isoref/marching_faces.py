@@ -50,8 +50,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
+from isoref import asymptotic_decider
+from isoref.cube import EDGE_OF
 from isoref.curves import Curve, check_pair, follow, real_and_imaginary
 from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
+from isoref.sweep import least_inside
 
 FaceRule = Literal["gradient", "asymptotic", "separated", "joined"]
 
@@ -275,7 +278,7 @@ class Pair:
     def _slab(self, start: int, stop: int) -> tuple[Integers, Integers]:
         """`candidates` with first index start to stop - 1."""
         b1, b2 = (
-            voxel_configurations(inside(field.values[start : stop + 1], isovalue)).ravel()
+            voxel_configurations(self.inside(field, isovalue, start, stop)).ravel()
             for field, isovalue in self.sides
         )
         # b + 1 wraps 255 to 0, so that b + 1 > 1 says that the voxel is mixed.
@@ -287,6 +290,12 @@ class Pair:
         checked = (SIDES == 0) | (where[:, AXES] == np.array(self.cells)[AXES] - 1)
         row, face = np.nonzero((f[:, None] >> np.arange(6) & 1).astype(bool) & checked)
         return voxels[row], face
+
+    def inside(self, field: Field, isovalue: float, start: int, stop: int) -> Booleans:
+        """Which samples are inside, in the planes start to stop."""
+        samples = field.values[start : stop + 1]
+        mask: Booleans = samples >= least_inside(samples.dtype, isovalue)
+        return mask
 
     def vertices(self, voxels: Integers, faces: Integers) -> Integers:
         """(F, 4, 3) lattice indices of the vertices of these faces."""
@@ -310,13 +319,13 @@ class Pair:
         if self.rule in ("separated", "joined") or not len(hard):
             result[hard] = self.rule == "separated"
             return result
-        d, main = d[hard], c[hard] == 0b1001
-        result[hard] = separated_by_saddle(d, main)
+        d = d[hard]
+        result[hard] = asymptotic_decider.separated(d[:, 0], d[:, 1], d[:, 3], d[:, 2])
         if self.rule == "gradient":
             axis, rows = AXES[faces[hard]], np.arange(len(hard))
             g = gradients(field, vertices[hard]).mean(axis=1)
             slope = g[rows, (axis + 1) % 3] * g[rows, (axis + 2) % 3]
-            result[hard] = np.where(slope == 0, result[hard], (slope > 0) == main)
+            result[hard] = np.where(slope == 0, result[hard], (slope > 0) == (d[:, 0] >= 0))
         return result
 
     def intersect(self, voxels: Integers, faces: Integers) -> tuple[Array, ...]:
@@ -342,12 +351,6 @@ class Pair:
         return _unit(cross), np.minimum(np.linalg.norm(cross, axis=1), 1.0)
 
 
-def inside(values: Array, isovalue: float) -> Booleans:
-    """Whether each sample is at least the isovalue, both compared as float64."""
-    result: Booleans = np.greater_equal(values, np.array([isovalue], np.float64))
-    return result
-
-
 def voxel_configurations(inside: Booleans) -> NDArray[np.uint8]:
     """VOXELCONFIG (eq. 2) of all voxels: bit c is set where corner c is inside.
 
@@ -371,16 +374,6 @@ def gradients(field: Field, indices: Integers) -> Floats:
         rise = _gather(field.values, above) - _gather(field.values, below)
         result[..., axis] = rise / ((above - below)[..., axis] * field.spacing[axis])
     return result
-
-
-def separated_by_saddle(d: Floats, main: Booleans) -> Booleans:
-    """Whether the bilinear saddle of values d (F, 4), less the isovalue, is outside [2].
-
-    `main` says that vertices 0 and 3 are the inside ones. A saddle on the isovalue is inside.
-    """
-    diagonal, other = d[:, 0] * d[:, 3], d[:, 1] * d[:, 2]
-    separated: Booleans = np.where(main, diagonal < other, other < diagonal)
-    return separated
 
 
 def intersect_lines(
@@ -664,17 +657,10 @@ def _join_crowded(
         successor[np.array(into)[row]] = np.array(out)[column]
 
 
-def cell_edges() -> Integers:
-    """(6, 4) the edge of the voxel that is edge e of face f, numbered by its two corners.
-
-    Edges are numbered in the order of their (lower, higher) corners.
-    """
-    pairs = [(c, c | 1 << axis) for c in range(8) for axis in range(3) if not c >> axis & 1]
-    number = {pair: index for index, pair in enumerate(sorted(pairs))}
-    return np.array([[number[row[i], row[j]] for i, j in EDGES] for row in FACE_CORNERS.tolist()])
-
-
-CELL_EDGES = cell_edges()
+# Edge of the voxel that is edge e of face f.
+CELL_EDGES = np.array(
+    [[EDGE_OF[frozenset((row[i], row[j]))] for i, j in EDGES] for row in FACE_CORNERS.tolist()]
+)
 
 
 def _cell_edges(points: FacePoints, chosen: Integers, voxels: Integers) -> Integers:
