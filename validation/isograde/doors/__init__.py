@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import difflib
 
+from isograde.doors.exec import ExecDoor
 from isograde.doors.python import PythonDoor
 from isograde.doors.ready_made import READY_MADE
 from isograde.model import Door, DoorError
@@ -43,6 +44,8 @@ def open_door(spec: str) -> Door:
     kind, _, rest = spec.partition(":")
     if spec in READY_MADE or (kind == "python" and rest):
         return PythonDoor(spec)
+    if kind == "exec" and rest:
+        return ExecDoor(spec)
     close = difflib.get_close_matches(spec, READY_MADE, n=1)
     hint = f"did you mean {close[0]}?" if close else "`isograde list implementations`"
     raise DoorError(f"no implementation {spec!r}; {hint}")

@@ -98,7 +98,10 @@ class Child:
         self.peak_bytes = 0
 
     def write(self, buffers: Iterable[bytes | memoryview]) -> None:
-        """The child has been sent all of the buffers; raises `Ended`."""
+        """The child has been sent the buffers; raises `Ended` where it does not take them in time.
+
+        A child that stopped listening may have spoken before: reading from it says how it ended.
+        """
         for buffer in buffers:
             rest = memoryview(buffer)
             while rest:
@@ -107,7 +110,7 @@ class Child:
                 except BlockingIOError:
                     self._wait(self._outgoing, select.POLLOUT)
                 except BrokenPipeError:
-                    raise self._death() from None
+                    return
 
     def read(self, count: int) -> bytearray:
         """The next `count` bytes of the child; raises `Ended`."""

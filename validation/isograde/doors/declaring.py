@@ -59,14 +59,19 @@ def declaration_json(declaration: Declaration) -> dict[str, Any]:
 
 def check_json(data: object, part: str, what: str) -> None:
     """Nothing, where `data` follows `part` of the protocol's schema; else raises `DoorError`."""
-    import jsonschema
-
-    definitions = protocol_schema()["$defs"]
-    validator = jsonschema.Draft202012Validator({"$defs": definitions, "$ref": f"#/$defs/{part}"})
-    error = next(iter(validator.iter_errors(data)), None)
+    error = next(iter(_validator(part).iter_errors(data)), None)
     if error is not None:
         where = "/".join(map(str, error.absolute_path))
         raise DoorError(f"{what}: {where + ': ' if where else ''}{error.message}")
+
+
+@cache
+def _validator(part: str) -> Any:
+    """A checker of one part of the protocol's schema."""
+    import jsonschema
+
+    definitions = protocol_schema()["$defs"]
+    return jsonschema.Draft202012Validator({"$defs": definitions, "$ref": f"#/$defs/{part}"})
 
 
 @cache

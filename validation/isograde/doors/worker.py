@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isograde.doors.answers import AnswerError, arrays_from
 from isograde.doors.declaring import declaration_json
 from isograde.doors.frames import Arrays, Header, pack, unpack
 from isograde.doors.loading import Extract, load
@@ -112,7 +113,10 @@ def _call(extract: Extract, header: Header, samples: NDArray[Any]) -> tuple[Head
     peak = max(0, _peak() - before)
     arrays: Arrays = []
     if status is Status.OK:
-        status, detail, arrays = _arrays(answer)
+        try:
+            arrays = arrays_from(answer)
+        except AnswerError as error:
+            status, detail = error.status, str(error)
     report: Header = {"status": status, "detail": detail, "seconds": seconds, "peak": peak}
     return {**report, "changed": _differ(samples, given)}, arrays
 
@@ -133,27 +137,6 @@ def _told(error: Exception) -> str:
     """The error in one line, with the innermost place it came from."""
     last = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
-
-
-def _arrays(answer: object) -> tuple[Status, str, Arrays]:
-    """Vertices and faces as arrays of real numbers, or what is wrong with the answer."""
-    if not isinstance(answer, tuple | list) or len(answer) != 2:
-        size = f" of {len(answer)}" if isinstance(answer, tuple | list) else ""
-        return Status.GARBAGE, f"returned {type(answer).__name__}{size}, not a pair", []
-    arrays: Arrays = []
-    for name, part in zip(("vertices", "faces"), answer, strict=True):
-        try:
-            array = np.asarray(part)
-            solid = np.ascontiguousarray(array) if array.dtype.kind in "biuf" else None
-        except MemoryError as error:
-            return Status.MEMORY, f"{name}: {error}", []
-        except Exception as error:  # noqa: BLE001 - an object of the implementation's own making
-            return Status.GARBAGE, f"{name} cannot be made an array: {error}", []
-        if solid is None:
-            kind = type(part).__name__
-            return Status.GARBAGE, f"{name} ({kind}) are not real numbers: {array.dtype}", []
-        arrays.append(solid)
-    return Status.OK, "", arrays
 
 
 def _laid_out(samples: NDArray[Any], strides: list[int]) -> NDArray[Any]:

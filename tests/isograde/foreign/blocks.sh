@@ -1,0 +1,43 @@
+#!/bin/sh
+# The faces between inside and outside samples, as squares of two triangles: a shell pipeline.
+# od turns the samples into text, awk makes the faces, and the answer is an .off file.
+entry() { printf '%s\n' "$line" | sed "s/.*\"$1\": *\(\"[^\"]*\"\|\[[^]]*\]\|[^,}]*\).*/\1/" | tr -d '[]",'; }
+
+while read -r line; do
+    case $line in
+    *'"start"'*)
+        echo '{"protocol": 1, "declaration": {"name": "blocks", "level": 0,
+            "without": ["lattice-edges", "linear-crossing", "welded"]}}' | tr -d '\n'
+        echo ;;
+    *'"stop"'*) exit ;;
+    *'"dtype": "<f8"'*)
+        od -A n -v -t f8 -w8 -j "$(entry offset)" "$(entry values)" |
+            awk -v shape="$(entry shape)" -v spacing="$(entry spacing)" -v isovalue="$(entry isovalue)" '
+                function corner(a, u, b, v, c, w) {
+                    p[a] = u; p[b] = v; p[c] = w
+                    points = points p[1] * h[1] " " p[2] * h[2] " " p[3] * h[3] "\n"
+                }
+                function square(a, at, b, c, up,   i, s) {
+                    for (i = 0; i < 4; i++) {
+                        s = up ? i : 3 - i
+                        corner(a, at, b, q[b] + (s == 1 || s == 2) - 0.5, c, q[c] + (s > 1) - 0.5)
+                    }
+                    faces = faces "3 " V " " V + 1 " " V + 2 "\n3 " V " " V + 2 " " V + 3 "\n"
+                    V += 4; S += 2
+                }
+                BEGIN { split(shape, n, " "); split(spacing, h, " "); isovalue += 0; V = 0; S = 0 }
+                { inside[NR - 1] = $1 >= isovalue }
+                END {
+                    stride[3] = 1; stride[2] = n[3]; stride[1] = n[2] * n[3]
+                    for (at = 0; at < NR; at++) {
+                        q[1] = int(at / stride[1]); q[2] = int(at / stride[2]) % n[2]; q[3] = at % n[3]
+                        for (a = 1; a <= 3; a++)
+                            if (q[a] + 1 < n[a] && inside[at] != inside[at + stride[a]])
+                                square(a, q[a] + 0.5, a % 3 + 1, (a + 1) % 3 + 1, inside[at])
+                    }
+                    printf "OFF\n%d %d 0\n%s%s", V, S, points, faces
+                }' > "$(entry directory)/mesh.off"
+        echo '{"mesh": "mesh.off"}' ;;
+    *) echo '{"unsupported": "reads float64 only"}' ;;
+    esac
+done

@@ -1,0 +1,158 @@
+"""The door to programs in any language: ``exec:command``.
+
+The command is one line for the shell, so a pipeline is a command too. It speaks JSON, one object a
+line (`protocol.schema.json` beside this file has every field); arrays stand in files.
+
+It reads from standard input, and answers on standard output::
+
+    {"command": "start", "protocol": 1}
+        {"protocol": 1, "declaration": {"name": "mine", "level": 1}}
+    {"command": "run", "case": "noise/7", "values": "/tmp/x/values.npy", "offset": 128,
+     "dtype": "<f8", "shape": [4, 4, 4], "isovalue": 0.5, "spacing": [1, 1, 1],
+     "directory": "/tmp/x"}
+        {"vertices": "vertices.npy", "faces": "faces.npy"}
+    {"command": "stop"}
+
+The samples are in C order, the last axis fastest, little-endian, from byte ``offset`` of a .npy
+file. An answer may instead be ``{"mesh": "surface.off"}`` (.ply, .obj, .off, .stl), the arrays
+themselves, ``{"error": ..}``, or ``{"unsupported": ..}`` for a field the program does not take.
+Vertices are ``index * spacing`` in the order of the array's axes unless the declaration says
+otherwise; the grader adds the origin.
+
+Standard output belongs to the protocol: any other line on it is garbage and costs the case.
+Messages for people go to standard error, which is kept. The program runs until it is told to stop
+or its input ends; remember to flush after each line.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import shutil
+import tempfile
+import time
+import weakref
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isograde.doors.answers import AnswerError, Arrays, arrays_from, arrays_in, mesh_in
+from isograde.doors.child import MEGABYTE, Child, Ended
+from isograde.doors.declaring import check_json, declaration_from
+from isograde.doors.process import ProcessDoor
+from isograde.model import Declaration, DoorError, Outcome, Request, Status
+
+PROTOCOL = 1
+# How much of a line that is no answer a report quotes.
+QUOTED = 120
+
+
+class ExecDoor(ProcessDoor):
+    """A program that speaks the protocol of this module; `spec` is ``exec:command``."""
+
+    def __init__(self, spec: str):
+        super().__init__(spec)
+        self._directory = Path(tempfile.mkdtemp(prefix="isograde-"))
+        weakref.finalize(self, shutil.rmtree, self._directory, ignore_errors=True)
+
+    def _spawn(self) -> Child:
+        """The program, run by the shell."""
+        return Child(self.spec.removeprefix("exec:"))
+
+    def _greet(self, child: Child) -> Declaration:
+        """What the program declares."""
+        _tell(child, {"command": "start", "protocol": PROTOCOL})
+        said = _line(child, "started")
+        return declaration_from(said.get("declaration", {}), self.spec)
+
+    def _ask(self, child: Child, request: Request) -> Outcome:
+        """What the program answered; garbage ends it, for it may be out of step."""
+        if rest := child.unread():
+            raise Ended(Status.GARBAGE, f"stdout held {_quoted(rest)} before the request")
+        _tell(child, self._written(request))
+        start = time.perf_counter()
+        try:
+            said = _line(child, "answer")
+        except DoorError as error:
+            raise Ended(Status.GARBAGE, str(error)) from error
+        seconds = said.get("seconds", time.perf_counter() - start)
+        outcome = replace(self._read(said), seconds=seconds, peak_bytes=child.peak_bytes)
+        self._sweep()
+        return outcome
+
+    def close(self) -> None:
+        """Tell the program to stop."""
+        if self._child is not None:
+            with contextlib.suppress(Ended):  # It may have ended by itself: that is no matter.
+                _tell(self._child, {"command": "stop"})
+        super().close()
+
+    def _written(self, request: Request) -> dict[str, Any]:
+        """The request, its samples written to a file."""
+        values = request.field.values
+        solid = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        path = self._directory / "values.npy"
+        np.save(path, solid)
+        return {
+            "command": "run",
+            "case": request.case,
+            "values": str(path),
+            "offset": path.stat().st_size - solid.nbytes,
+            "dtype": solid.dtype.str,
+            "shape": solid.shape,
+            "isovalue": float(request.isovalue),
+            "spacing": request.field.spacing,
+            "directory": str(self._directory),
+        }
+
+    def _read(self, said: dict[str, Any]) -> Outcome:
+        """What an answer says, its files read."""
+        if "error" in said:
+            return Outcome(Status.RAISED, detail=said["error"])
+        if "unsupported" in said:
+            return Outcome(Status.DECLINED, detail=said["unsupported"])
+        try:
+            vertices, faces = self._arrays(said)
+        except AnswerError as error:
+            return Outcome(error.status, detail=str(error))
+        return Outcome(Status.OK, vertices, faces)
+
+    def _arrays(self, said: dict[str, Any]) -> Arrays:
+        """The arrays of an answer; raises `AnswerError`."""
+        limit = self.limits.megabytes * MEGABYTE
+        if "mesh" in said:
+            return mesh_in(self._directory / said["mesh"], limit)
+        pair = said["vertices"], said["faces"]
+        if any(isinstance(part, str) for part in pair):
+            vertices, faces = (self._directory / str(part) for part in pair)
+            return arrays_in(vertices, faces, limit)
+        return arrays_from(pair)
+
+    def _sweep(self) -> None:
+        """The program's folder is empty."""
+        for path in self._directory.iterdir():
+            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+
+
+def _tell(child: Child, message: dict[str, Any]) -> None:
+    """The message has been sent as one line."""
+    child.write([json.dumps(message).encode() + b"\n"])
+
+
+def _line(child: Child, part: str) -> dict[str, Any]:
+    """The next line as JSON that follows `part` of the schema; raises `DoorError` or `Ended`."""
+    line = child.read_line()
+    try:
+        said: dict[str, Any] = json.loads(line)
+    except ValueError:
+        raise DoorError(f"stdout is for the protocol, but had {_quoted(line)}") from None
+    check_json(said, part, f"the answer {_quoted(line)}")
+    return said
+
+
+def _quoted(line: bytes) -> str:
+    """The beginning of a line, in quotes."""
+    text = line.decode(errors="replace")
+    return repr(text if len(text) <= QUOTED else text[:QUOTED] + "..")

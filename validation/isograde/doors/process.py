@@ -1,0 +1,82 @@
+"""What the doors to a running process have in common: it is started, asked, and started again."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+from isograde.doors.child import Child, Ended
+from isograde.doors.conventions import to_house
+from isograde.model import Declaration, DoorError, Limits, Outcome, Request, Status
+
+# Imports may be slow on a busy machine, however short a call may be.
+START_LIMITS = Limits(seconds=120.0, megabytes=4096)
+
+
+class ProcessDoor(ABC):
+    """An implementation in a process that is reused, and replaced when it died or was killed."""
+
+    def __init__(self, spec: str):
+        self.spec = spec
+        self.limits = Limits()
+        self.declaration = Declaration(spec)
+        self._child: Child | None = None
+
+    @abstractmethod
+    def _spawn(self) -> Child:
+        """A process that has not been spoken to."""
+
+    @abstractmethod
+    def _greet(self, child: Child) -> Declaration:
+        """What the implementation declares at its start; raises `DoorError` or `Ended`."""
+
+    @abstractmethod
+    def _ask(self, child: Child, request: Request) -> Outcome:
+        """The outcome of one call, as it came; raises `Ended` where the process is lost."""
+
+    def open(self, limits: Limits) -> Declaration:
+        """Start the implementation; what it declares. Raises `DoorError`."""
+        self.limits = limits
+        self._child = self._start()
+        return self.declaration
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome of one call, in the house's conventions."""
+        return to_house(self.answer(request), request, self.declaration.conventions)
+
+    def answer(self, request: Request) -> Outcome:
+        """The outcome of one call, as it came."""
+        try:
+            self._child = self._child or self._start()
+            self._child.allow(self.limits)
+            return self._ask(self._child, request)
+        except DoorError as error:
+            return Outcome(Status.CRASH, detail=f"it did not start again: {error}")
+        except Ended as ended:
+            assert self._child is not None
+            self._child.kill()
+            self._child = None
+            return Outcome(ended.status, detail=str(ended))
+
+    def said(self) -> tuple[str, str]:
+        """The end of what the implementation printed beside the protocol: to stdout, to stderr."""
+        return (self._child.said("prints"), self._child.said()) if self._child else ("", "")
+
+    def close(self) -> None:
+        """Stop the implementation."""
+        if self._child is not None:
+            self._child.finish()
+            self._child = None
+
+    def _start(self) -> Child:
+        """A process that answered the greeting; raises `DoorError`."""
+        child = self._spawn()
+        child.allow(START_LIMITS)
+        try:
+            self.declaration = self._greet(child)
+        except Ended as ended:
+            child.kill()
+            raise DoorError(f"{self.spec} did not start: {ended}") from ended
+        except DoorError:
+            child.kill()
+            raise
+        return child
