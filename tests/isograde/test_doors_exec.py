@@ -137,7 +137,7 @@ def test_each_ending_of_a_program_is_told_for_what_it_is(
         f"{READY} while read run; do echo >> {count}; "
         f"if [ $(wc -l < {count}) = 2 ]; then {act}; else echo '{TRIANGLE}'; fi; done"
     )
-    limits = Limits(seconds=5.0 if status is Status.MEMORY else 0.5, megabytes=200)
+    limits = Limits(seconds=0.5 if status is Status.TIMEOUT else 20.0, megabytes=200)
     _, (before, bad, after) = ask(command, *[ball()] * 3, limits=limits)
     assert before.status is Status.OK, before.detail
     assert bad.status is status, bad.detail
@@ -147,7 +147,7 @@ def test_each_ending_of_a_program_is_told_for_what_it_is(
 
 def test_a_line_too_many_is_garbage() -> None:
     """Whatever follows an answer cannot pass for the answer to the next request."""
-    talk = f"while read run; do echo '{TRIANGLE}'; echo '{TRIANGLE}'; sleep 0.1; done"
+    talk = f"while read run; do printf '%s\\n%s\\n' '{TRIANGLE}' '{TRIANGLE}'; done"
     _, outcomes = ask(READY + talk, ball(), ball(), ball())
     assert Status.GARBAGE in {o.status for o in outcomes}
     assert "before the request" in " ".join(o.detail for o in outcomes)

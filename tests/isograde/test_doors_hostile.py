@@ -55,7 +55,8 @@ def outcomes(name: str, limits: Limits) -> list[Outcome]:
 def test_each_ending_is_told_for_what_it_is_and_the_run_goes_on(
     name: str, status: Status, word: str
 ) -> None:
-    before, bad, after = outcomes(name, Limits(seconds=0.5, megabytes=180))
+    limits = Limits(seconds=0.5 if status is Status.TIMEOUT else 20.0, megabytes=180)
+    before, bad, after = outcomes(name, limits)
     assert before.status is Status.OK, before.detail
     assert bad.status is status, bad.detail
     assert word in bad.detail
