@@ -43,7 +43,6 @@ References
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -52,6 +51,7 @@ from numpy.typing import ArrayLike
 
 from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, check_isovalue
 from isoref.mesh import Mesh
+from isoref.sweep import crossing_parameter, inside_samples
 
 Mode = Literal["disconnect", "connect", "mixed"]
 Border = Literal["open", "closed"]
@@ -152,7 +152,7 @@ def diconex(
     check_choice("mode", mode, get_args(Mode))
     check_choice("border", border, get_args(Border))
     # Frame the image with one layer of inactive pixels, so that every pixel has neighbours.
-    active = np.pad(is_active(field.values, alpha), 1)
+    active = np.pad(inside_samples(field, alpha), 1)
     vectors = initial_contour_vectors(active)
     successor = successors(vectors, active, poa_joined(field.values, alpha, mode))
     outer = _reaches_outside(vectors, field.shape)
@@ -162,20 +162,6 @@ def diconex(
         index[inner] = _displaced(field.values, alpha, vectors[inner])
     contours = Contours(field.position(index), successor)
     return contours if border == "closed" else _without(contours, outer)
-
-
-def is_active(values: Array, alpha: float) -> Booleans:
-    """Whether each sample is at least `alpha`, which is not rounded to the samples' type.
-
-    >>> is_active(np.array([0.7], np.float32), 0.7)
-    array([False])
-    """
-    if values.dtype.kind in "iu":
-        threshold: int | np.float64 = math.ceil(alpha)
-    else:
-        threshold = np.float64(alpha)
-    active: Booleans = np.greater_equal(values, threshold)
-    return active
 
 
 def initial_contour_vectors(active: Booleans) -> Integers:
@@ -222,51 +208,39 @@ def poa_joined(values: Array, alpha: float, mode: Mode) -> Booleans:
     joined = np.zeros((values.shape[0] + 1, values.shape[1] + 1), np.bool_)
     inside = joined[1:-1, 1:-1]
     if mode == "mixed":
-        inside[:] = (
-            average_of_four(values[:-1, :-1], values[1:, 1:], values[1:, :-1], values[:-1, 1:])
-            >= alpha
-        )
+        grey = values.astype(np.float64) - alpha
+        inside[:] = average_is_active(grey[:-1, :-1], grey[1:, 1:], grey[1:, :-1], grey[:-1, 1:])
     else:
         inside[:] = mode == "connect"
     return joined
 
 
-def average_of_four(a: Array, b: Array, c: Array, d: Array) -> Floats:
-    """The mean of two diagonal pairs (a, b) and (c, d), the same whichever way the square turns.
+def average_is_active(v: Floats, q: Floats, w: Floats, p: Floats) -> Booleans:
+    """Whether the average of four values round a point is at least the isovalue.
 
-    Quarters are added pair by pair: no sum overflows, and rounding cannot tell which corner came
-    first.
+    Values are relative, minus the isovalue; v and q stand opposite each other, and so do w and p.
+    Opposite ones are added first, so that rounding cannot tell which corner came first.
 
-    >>> average_of_four(*np.array([[250], [251], [0], [3]], np.uint8))
-    array([126.])
+    >>> average_is_active(*np.array([[2.0, 2.0], [1.0, 1.0], [-1.0, -2.0], [-2.0, -2.0]]))
+    array([ True, False])
     """
-    a, b, c, d = (0.25 * np.asarray(x, np.float64) for x in (a, b, c, d))
-    mean: Floats = (a + b) + (c + d)
-    return mean
-
-
-def share_to_isovalue(a: Array, b: Array, alpha: float) -> Floats:
-    """The t in [0, 1] with a + t (b - a) = alpha, for a >= alpha > b, as in Fig. 2c.
-
-    Scaled by a power of two first, so that no difference overflows or drowns.
-
-    >>> share_to_isovalue(np.array([133.0]), np.array([0.0]), 100.0).round(4)
-    array([0.2481])
-    """
-    high, low = np.asarray(a, np.float64), np.asarray(b, np.float64)
-    exponent = -1 - np.frexp(np.maximum(np.abs(high), np.abs(low)))[1]
-    high, low, level = (np.ldexp(x, exponent) for x in (high, low, np.float64(alpha)))
-    share: Floats = (high - level) / (high - low)
-    return share
+    return np.greater_equal((v + q) + (w + p), 0)
 
 
 def _displaced(values: Array, alpha: float, vectors: Integers) -> Floats:
     """(N, 2) indices of the points at the isovalue, between each pixel and its neighbour."""
-    step = np.asarray(DIRECTIONS)[vectors[:, 2]]
-    v = vectors[:, :2] - 1
-    t = share_to_isovalue(values[tuple(v.T)], values[tuple((v + step).T)], alpha)
-    moved: Floats = v + t[:, None] * step
-    return moved
+    v, step = vectors[:, :2] - 1, np.asarray(DIRECTIONS)[vectors[:, 2]]
+    return between(values, alpha, np.minimum(v, v + step), np.abs(step))
+
+
+def between(values: Array, alpha: float, lower: Integers, step: Integers) -> Floats:
+    """(N, n) where linear interpolation meets `alpha` between samples `lower` and lower + step.
+
+    >>> between(np.array([133, 0]), 100, np.array([[0]]), np.array([[1]])).round(4)  # Fig. 2c
+    array([[0.2481]])
+    """
+    ends = [values[tuple(i.T)].astype(np.float64) - alpha for i in (lower, lower + step)]
+    return np.asarray(lower + crossing_parameter(*ends)[:, None] * step)
 
 
 def _reaches_outside(vectors: Integers, shape: tuple[int, ...]) -> Booleans:
@@ -347,6 +321,6 @@ def _successor(
         return left
     # Decide a point of ambiguity.
     if mode == "mixed":
-        mean = (0.25 * grey[v] + 0.25 * grey[q]) + (0.25 * grey[p] + 0.25 * grey[w])
-        return right if mean >= isovalue else left
+        a, b, c, e = (grey[pixel] - isovalue for pixel in (v, q, w, p))
+        return right if (a + b) + (c + e) >= 0 else left
     return right if mode == "connect" else left

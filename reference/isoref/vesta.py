@@ -64,13 +64,13 @@ from isoref.diconex import (
     Border,
     Mode,
     as_field,
-    average_of_four,
+    average_is_active,
+    between,
     check_choice,
-    is_active,
-    share_to_isovalue,
 )
 from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue
 from isoref.mesh import Mesh
+from isoref.sweep import inside_samples
 
 Resolution = Literal["L", "H"]
 Voxel = tuple[int, int, int]
@@ -212,7 +212,7 @@ def extract(
     check_choice("mode", mode, get_args(Mode))
     check_choice("border", border, get_args(Border))
     # Frame the volume with one layer of inactive voxels, so that every voxel has neighbours.
-    active = np.pad(is_active(field.values, alpha), 1)
+    active = np.pad(inside_samples(field, alpha), 1)
     faces = Faces.of(active)
     successor = successors(faces, active, _decider(mode, field.values, alpha))
     cycles = {length: paths // 4 for length, paths in cycles_of(successor).items()}
@@ -333,8 +333,8 @@ def _decider(mode: Mode, values: Array, alpha: float) -> Decide:
             return np.full(len(v), mode == "connect")
         framed = tuple(n + 2 for n in values.shape)
         index = (np.unravel_index(voxel, framed) for voxel in (v, q, w, p))
-        four = [values[i - 1, j - 1, k - 1] for i, j, k in index]
-        return np.greater_equal(average_of_four(*four), alpha)
+        grey = (values[i - 1, j - 1, k - 1].astype(np.float64) - alpha for i, j, k in index)
+        return average_is_active(*grey)
 
     return decide
 
@@ -373,9 +373,9 @@ def _points(faces: Faces, field: Field, alpha: float, displaced: bool) -> Floats
     place = 0.5 * faces.centres
     if displaced:
         inner = np.flatnonzero(~faces.outer)
-        v, move = faces.indices(faces.voxel[inner]), DIRECTIONS[faces.direction[inner]]
-        high, low = field.values[tuple(v.T)], field.values[tuple((v + move).T)]
-        place[inner] = v + share_to_isovalue(high, low, alpha)[:, None] * move
+        # The lower voxel lies half a voxel below the centre, which has one odd coordinate.
+        lower, step = np.divmod(faces.centres[inner], 2)
+        place[inner] = between(field.values, alpha, lower, step)
     return field.position(place)
 
 
@@ -480,6 +480,6 @@ def _over(
         return convex
     # Decide a point of ambiguity.
     if mode == "mixed":
-        mean = (0.25 * grey[v] + 0.25 * grey[q]) + (0.25 * grey[w] + 0.25 * grey[p])
-        return concave if mean >= isovalue else convex
+        a, b, c, e = (grey[voxel] - isovalue for voxel in (v, q, w, p))
+        return concave if (a + b) + (c + e) >= 0 else convex
     return concave if mode == "connect" else convex
