@@ -31,7 +31,6 @@ from __future__ import annotations
 
 from functools import cache, partial
 from itertools import pairwise
-from typing import get_args
 
 import numpy as np
 
@@ -48,7 +47,7 @@ from isoref.cycles import Polygon, Triangle, fan
 from isoref.diconex import Mode, average_is_active
 from isoref.field import Floats, Integers
 from isoref.rule import Average, Placement, Rule, Tile, no_decisions
-from isoref.vesta import Resolution, fan_start
+from isoref.vesta import SIX_SURFACES, Resolution, fan_start
 
 Path = tuple[int, int, int]
 
@@ -171,7 +170,7 @@ def _never(signs: int) -> bool:
     return False
 
 
-RULES = tuple(rule(mode, resolution) for mode in get_args(Mode) for resolution in ("L", "H"))
+RULES = tuple(rule(mode, resolution) for mode, resolution in SIX_SURFACES)
 
 
 # The numbers of the paper, for whoever compares with Table I.

@@ -11,11 +11,12 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from isoref import asymptotic_decider, lorensen_cline
+from isoref import asymptotic_decider, lorensen_cline, marching_vesta
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule
 from isoref.sweep import sweep
+from isoref.vesta import SIX_SURFACES, vesta
 
 Method = Callable[[Field, float], Mesh]
 
@@ -24,10 +25,15 @@ RULES: dict[str, Rule] = {
     for rule in (
         lorensen_cline.RULE,
         asymptotic_decider.RULE,
+        *marching_vesta.RULES,
     )
 }
 
 METHODS: dict[str, Method] = {name: partial(sweep, rule) for name, rule in RULES.items()}
+METHODS |= {
+    f"vesta-{mode}-{resolution}": partial(vesta, mode=mode, resolution=resolution)
+    for mode, resolution in SIX_SURFACES
+}
 
 
 def extract(

@@ -55,6 +55,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Literal, get_args
 
 import numpy as np
@@ -78,6 +79,9 @@ Face = tuple[Voxel, int]
 Cycles = dict[int, Integers]
 Decide = Callable[[Integers, Integers, Integers, Integers], Booleans]
 
+SIX_SURFACES: tuple[tuple[Mode, Resolution], ...] = tuple(
+    product(get_args(Mode), get_args(Resolution))
+)
 DIRECTIONS = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)])
 
 

@@ -26,10 +26,9 @@ from isoref.marching_vesta import (
 )
 from isoref.mesh import Mesh
 from isoref.sweep import sweep, sweep_plain
-from isoref.vesta import Resolution, extract
+from isoref.vesta import SIX_SURFACES, Resolution, extract
 
 MODES = get_args(Mode)
-SIX = list(product(MODES, get_args(Resolution)))
 
 # Table I as printed: centre, then the plus path's two junctures; the minus path is its reverse.
 TABLE_1 = {
@@ -138,7 +137,7 @@ def placed(mesh: Mesh) -> list[list[list[float]]]:
     return sorted(t[(s := t.index(min(t))) :] + t[:s] for t in corners)
 
 
-@given(volumes(), st.sampled_from(SIX))
+@given(volumes(), st.sampled_from(SIX_SURFACES))
 def test_original_and_marching_give_the_same_mesh(
     grey: Integers, six: tuple[Mode, Resolution]
 ) -> None:
@@ -159,7 +158,7 @@ def test_shared_support_points_are_equal_to_the_last_bit(grey: Integers, mode: M
     assert sorted(marching[:count].tolist()) == sorted(original.points.tolist())
 
 
-@pytest.mark.parametrize(("mode", "resolution"), SIX)
+@pytest.mark.parametrize(("mode", "resolution"), SIX_SURFACES)
 def test_plain_and_vectorised_sweeps_agree(mode: Mode, resolution: Resolution) -> None:
     """The rules run in both sweeps."""
     field = Field.of(np.random.default_rng(1).normal(size=(5, 6, 4)))

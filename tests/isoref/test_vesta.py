@@ -19,6 +19,7 @@ from isoref.vesta import (
     DIRECTIONS,
     JUNCTURES,
     RANK,
+    SIX_SURFACES,
     Cycles,
     Faces,
     Resolution,
@@ -36,7 +37,6 @@ from vtkmodules.vtkFiltersCore import vtkMarchingCubes
 
 MODES = get_args(Mode)
 RESOLUTIONS = get_args(Resolution)
-SIX = list(product(MODES, RESOLUTIONS))
 
 
 def volumes(max_side: int = 4) -> st.SearchStrategy[Integers]:
@@ -303,7 +303,7 @@ def test_the_successor_of_a_path_is_a_permutation(grey: Integers, mode: Mode) ->
         assert (np.ptp(centres, axis=1) <= 2).all()
 
 
-@given(volumes(), st.sampled_from(SIX), st.booleans())
+@given(volumes(), st.sampled_from(SIX_SURFACES), st.booleans())
 def test_all_six_surfaces_are_closed_oriented_and_manifold(
     grey: Integers, six: tuple[Mode, Resolution], displaced: bool
 ) -> None:
@@ -332,7 +332,7 @@ def check_closed_oriented_manifold(mesh: Mesh) -> None:
         assert walked == len(link)
 
 
-@given(volumes(3), st.sampled_from(SIX))
+@given(volumes(3), st.sampled_from(SIX_SURFACES))
 def test_the_surface_winds_round_active_voxels_only(
     grey: Integers, six: tuple[Mode, Resolution]
 ) -> None:
@@ -475,7 +475,7 @@ def assert_same(one: Mesh, other: Mesh) -> None:
 
 def test_no_surface_outside_the_range() -> None:
     """An isovalue nobody reaches gives an empty mesh, in every variant."""
-    for (mode, resolution), border in product(SIX, get_args(Border)):
+    for (mode, resolution), border in product(SIX_SURFACES, get_args(Border)):
         mesh = vesta(np.zeros((3, 3, 3)), 1, mode=mode, resolution=resolution, border=border)
         assert mesh.vertices.shape == (0, 3)
         assert mesh.simplices.shape == (0, 3)
