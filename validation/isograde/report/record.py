@@ -1,0 +1,486 @@
+"""A report as JSON lines, and read back.
+
+One JSON object a line, each with a `kind`, in this order:
+
+header    implementation and what it declares, versions, machine, seed, arguments
+claim     a line a claim: rule, source, level, whether it is held against the implementation
+case      a line a case, followed at once by its
+result    ids of the claims that passed, and every other finding with its numbers
+evidence  for each failed claim the smallest case: samples, isovalue, the mesh that came
+footer    counts; a report without one was cut off
+
+`schema.json` beside this module describes every line. A file whose name ends in .gz is compressed.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import os
+import platform
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from dataclasses import field as fresh
+from functools import cache, cached_property
+from importlib import metadata
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TextIO
+
+import jsonschema
+import numpy as np
+
+from isograde.model import LEVELS, Case, Claim, Declaration, Finding, Verdict
+from isograde.runner import JUDGE_FAULT, Evidence, Judged, Options
+
+FORMAT = 1
+LIBRARIES = (
+    "isograde", "numpy", "scipy", "scikit-image", "pymeshlab", "manifold3d", "trimesh",
+    "PyMCubes", "vtk", "libigl", "nibabel", "pyvista",
+)  # fmt: skip
+JSON = dict[str, Any]
+
+
+class ReportError(ValueError):
+    """A file is no report; the message says which line and why."""
+
+
+def header(spec: str, declaration: Declaration, options: Options, arguments: list[str]) -> JSON:
+    """The first line of a report."""
+    conventions = declaration.conventions
+    return {
+        "kind": "header",
+        "format": FORMAT,
+        "implementation": {
+            "spec": spec,
+            "name": declaration.name,
+            "version": declaration.version,
+            "level": declaration.level,
+            "discipline": declaration.discipline,
+            "conventions": {name: getattr(conventions, name) for name in vars(conventions)},
+            "without": sorted(declaration.without),
+            "notes": declaration.notes,
+        },
+        "seed": options.seed,
+        "full": options.full,
+        "only": list(options.only),
+        "limits": {"seconds": options.limits.seconds, "megabytes": options.limits.megabytes},
+        "jobs": options.jobs,
+        "arguments": arguments,
+        "versions": versions(),
+        "machine": machine(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """The versions of Python and of each library of interest that is installed."""
+    found = {"python": platform.python_version()}
+    for name in LIBRARIES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def machine() -> dict[str, str | int]:
+    """What the machine is, without its name."""
+    return {
+        "system": platform.platform(),
+        "processor": platform.processor() or platform.machine(),
+        "processors": os.cpu_count() or 1,
+        "byteorder": sys.byteorder,
+    }
+
+
+def held(claim: Claim, declaration: Declaration) -> bool:
+    """Whether a failure of the claim counts against the implementation."""
+    return claim.level is None or claim.level <= declaration.level
+
+
+def claim_record(claim: Claim, declaration: Declaration) -> JSON:
+    """The line of one claim."""
+    return {
+        "kind": "claim",
+        "id": claim.id,
+        "rule": claim.rule,
+        "source": claim.source,
+        "level": claim.level,
+        "weld": claim.weld,
+        "held": held(claim, declaration),
+    }
+
+
+def case_record(case: Case) -> JSON:
+    """The line of one case."""
+    return {
+        "kind": "case",
+        "id": case.id,
+        "samples": case.samples,
+        "isovalue": case.isovalue,
+        "tags": sorted(case.tags),
+    }
+
+
+def result_record(judged: Judged) -> JSON:
+    """The line of one result."""
+    plain = [name for name, finding in judged.findings.items() if finding.verdict is Verdict.PASS]
+    return {
+        "kind": "result",
+        "case": judged.case,
+        "calls": judged.calls,
+        "seconds": round(judged.seconds, 6),
+        "passed": plain,
+        "findings": [
+            _finding_record(name, finding)
+            for name, finding in judged.findings.items()
+            if finding.verdict is not Verdict.PASS
+        ],
+    }
+
+
+def _finding_record(claim: str, finding: Finding) -> JSON:
+    """One finding that is no pass."""
+    record: JSON = {"claim": claim, "verdict": finding.verdict.value, "detail": finding.detail}
+    if finding.numbers:
+        record["numbers"] = dict(finding.numbers)
+    return record
+
+
+def evidence_record(claim: str, case: str, evidence: Evidence, legal: Any = None) -> JSON:
+    """The smallest failed case of a claim; `legal` is the outcome of an implementation that passes.
+
+    Of the variants only the one that the judge named is kept beside the plain outcome.
+    """
+    field, plain = evidence.field, evidence.outcomes["plain"]
+    record: JSON = {
+        "kind": "evidence",
+        "claim": claim,
+        "case": case,
+        "shape": list(field.shape),
+        "spacing": list(field.spacing),
+        "origin": list(field.origin),
+        "dtype": str(field.values.dtype),
+        "isovalue": evidence.isovalue,
+        "values": _numbers(field.values),
+        "came": _mesh_record(plain),
+    }
+    if legal is not None:
+        record["legal"] = _mesh_record(legal)
+    return record
+
+
+def _mesh_record(outcome: Any) -> JSON:
+    """Vertices and faces of an outcome, or what became of it."""
+    mesh = outcome.mesh
+    if mesh is None:
+        return {"status": outcome.status.value, "detail": outcome.detail}
+    return {
+        "status": outcome.status.value,
+        "vertices": [[_short(x) for x in row] for row in mesh.vertices.tolist()],
+        "faces": mesh.simplices.tolist(),
+    }
+
+
+def _numbers(values: Any) -> list[Any]:
+    """The samples in the array's order, each as short as it reads back the same."""
+    flat: list[Any] = np.asarray(values).ravel().tolist()
+    return flat
+
+
+def _short(number: float) -> float:
+    """The number to nine digits, which is what a picture needs."""
+    return float(f"{number:.9g}")
+
+
+@dataclass
+class Tally:
+    """What is counted while a report is written.
+
+    smallest : the smallest failed case of each claim, with its evidence
+    """
+
+    verdicts: Counter[str] = fresh(default_factory=Counter)
+    cases: int = 0
+    calls: int = 0
+    judge_faults: int = 0
+
+    def add(self, judged: Judged) -> None:
+        """Count one case."""
+        self.cases += 1
+        self.calls += judged.calls
+        for finding in judged.findings.values():
+            self.verdicts[finding.verdict.value] += 1
+            self.judge_faults += finding.detail.startswith(JUDGE_FAULT)
+
+    def footer(self, seconds: float) -> JSON:
+        """The last line of a report."""
+        return {
+            "kind": "footer",
+            "cases": self.cases,
+            "calls": self.calls,
+            "judge_faults": self.judge_faults,
+            "verdicts": dict(sorted(self.verdicts.items())),
+            "seconds": round(seconds, 3),
+        }
+
+
+def open_text(path: Path, mode: str) -> TextIO:
+    """The file, open for "r" or "w" as UTF-8; compressed where its name ends in .gz."""
+    if path.suffix != ".gz":
+        return path.open("r" if mode == "r" else "w", encoding="utf-8")
+    if mode == "r":
+        return io.TextIOWrapper(gzip.open(path), encoding="utf-8")
+    # Leave name and time out of the archive, so that the same report is the same file.
+    raw = gzip.GzipFile("", "wb", fileobj=path.open("wb"), mtime=0)
+    return io.TextIOWrapper(raw, encoding="utf-8")
+
+
+def write_line(file: TextIO, record: Mapping[str, Any]) -> JSON:
+    """The record as written: one more line of the file."""
+    plain: JSON = _plain(record)
+    file.write(json.dumps(plain, separators=(",", ":"), allow_nan=False) + "\n")
+    return plain
+
+
+def _plain(value: Any) -> Any:
+    """The value with NumPy's types made Python's, and numbers that are not finite made text."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return str(value)
+    return value
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The smallest case on which a claim failed."""
+
+    case: str
+    samples: int
+    detail: str
+    numbers: Mapping[str, Any]
+
+
+@dataclass
+class Summary:
+    """One claim over all cases."""
+
+    claim: JSON
+    counts: Counter[str] = fresh(default_factory=Counter)
+    failure: Failure | None = None
+    # Why a finding is no pass, with how often, for verdicts other than fail.
+    reasons: Counter[str] = fresh(default_factory=Counter)
+
+    @property
+    def id(self) -> str:
+        """The claim's id."""
+        return str(self.claim["id"])
+
+    @property
+    def family(self) -> str:
+        """The first part of the claim's id."""
+        return self.id.split(".")[0]
+
+    @property
+    def bad(self) -> int:
+        """Findings that say something went wrong."""
+        return sum(self.counts[verdict.value] for verdict in BAD)
+
+    @property
+    def judged(self) -> int:
+        """All findings."""
+        return sum(self.counts.values())
+
+    @property
+    def state(self) -> str:
+        """One word: fail, pass, unsupported, or not judged."""
+        if self.bad:
+            return "fail"
+        if self.counts[Verdict.PASS.value]:
+            return "pass"
+        return "unsupported" if self.counts[Verdict.UNSUPPORTED.value] else "not judged"
+
+
+BAD = (Verdict.FAIL, Verdict.ERROR, Verdict.CRASH, Verdict.TIMEOUT)
+
+
+@dataclass
+class Rung:
+    """One level of the ladder."""
+
+    level: int
+    name: str
+    promise: str
+    summaries: list[Summary]
+
+    @property
+    def state(self) -> str:
+        """One word: fail, pass, or not judged when a claim of it has no evidence."""
+        states = {summary.state for summary in self.summaries}
+        if "fail" in states:
+            return "fail"
+        return "pass" if "pass" in states and "not judged" not in states else "not judged"
+
+    @property
+    def withheld(self) -> list[str]:
+        """Claims of this level that the implementation does not promise."""
+        return [summary.id for summary in self.summaries if summary.state == "unsupported"]
+
+
+@dataclass
+class Report:
+    """A report read back."""
+
+    header: JSON
+    claims: dict[str, JSON] = fresh(default_factory=dict)
+    cases: dict[str, JSON] = fresh(default_factory=dict)
+    results: list[JSON] = fresh(default_factory=list)
+    evidence: dict[str, JSON] = fresh(default_factory=dict)
+    footer: JSON | None = None
+
+    @property
+    def name(self) -> str:
+        """The implementation's name."""
+        return str(self.header["implementation"]["name"])
+
+    @property
+    def spec(self) -> str:
+        """How the implementation was named on the command line."""
+        return str(self.header["implementation"]["spec"])
+
+    @cached_property
+    def summaries(self) -> dict[str, Summary]:
+        """Each claim over all cases, by id."""
+        summaries = {name: Summary(claim) for name, claim in self.claims.items()}
+        for result in self.results:
+            for name in result["passed"]:
+                summaries[name].counts[Verdict.PASS.value] += 1
+            for finding in result["findings"]:
+                self._add(summaries[finding["claim"]], result["case"], finding)
+        return summaries
+
+    def _add(self, summary: Summary, case: str, finding: JSON) -> None:
+        """Count a finding that is no pass."""
+        summary.counts[finding["verdict"]] += 1
+        if finding["verdict"] not in BAD:
+            summary.reasons[finding["detail"]] += 1
+            return
+        samples = self.cases[case]["samples"]
+        if summary.failure is None or samples < summary.failure.samples:
+            numbers = finding.get("numbers", {})
+            summary.failure = Failure(case, samples, finding["detail"], numbers)
+
+    @cached_property
+    def rungs(self) -> list[Rung]:
+        """The ladder."""
+        return [
+            Rung(level, name, promise, self._of_level(level))
+            for level, (name, promise) in LEVELS.items()
+        ]
+
+    def _of_level(self, level: int | None) -> list[Summary]:
+        """The summaries of one level."""
+        return [s for s in self.summaries.values() if s.claim["level"] == level and s.judged]
+
+    @property
+    def beside(self) -> list[Summary]:
+        """The claims beside the ladder."""
+        return self._of_level(None)
+
+    @property
+    def reached(self) -> int | None:
+        """The highest level that holds with all levels below it; None when not even the lowest."""
+        reached = None
+        for rung in self.rungs:
+            if rung.state != "pass":
+                break
+            reached = rung.level
+        return reached
+
+    @property
+    def failures(self) -> list[Summary]:
+        """Claims that failed and are held against the implementation, then those that are not."""
+        failed = [summary for summary in self.summaries.values() if summary.state == "fail"]
+        return sorted(failed, key=lambda summary: not summary.claim["held"])
+
+    @property
+    def broken(self) -> list[Summary]:
+        """The failures that are held against the implementation."""
+        return [summary for summary in self.failures if summary.claim["held"]]
+
+
+@cache
+def schema() -> JSON:
+    """The JSON Schema of a line."""
+    text = files("isograde.report").joinpath("schema.json").read_text(encoding="utf-8")
+    parsed: JSON = json.loads(text)
+    return parsed
+
+
+def lines(path: Path) -> Iterator[JSON]:
+    """The records of a file, each checked against the schema. Raises `ReportError`."""
+    try:
+        with open_text(path, "r") as file:
+            for number, line in enumerate(file, 1):
+                yield _checked(line, f"{path}:{number}")
+    except (OSError, UnicodeDecodeError, EOFError) as error:
+        raise ReportError(f"{path} cannot be read: {error}") from error
+
+
+def _checked(line: str, place: str) -> JSON:
+    """The record on a line."""
+    try:
+        record: JSON = json.loads(line)
+    except json.JSONDecodeError as error:
+        raise ReportError(f"{place} is not JSON: {error}") from error
+    kind = record.get("kind") if isinstance(record, dict) else None
+    if kind not in schema()["$defs"] or kind in {"verdict", "mesh"}:
+        raise ReportError(f"{place} is no record of a report: kind {kind!r}")
+    fault = jsonschema.exceptions.best_match(_validator(kind).iter_errors(record))
+    if fault is not None:
+        raise ReportError(f"{place} is no {kind} record: {fault.json_path} {fault.message}")
+    return record
+
+
+@cache
+def _validator(kind: str) -> Any:
+    """The validator of one kind of line."""
+    definitions = schema()["$defs"]
+    return jsonschema.Draft202012Validator({**definitions[kind], "$defs": definitions})
+
+
+def read(path: Path) -> Report:
+    """The report in a file. Raises `ReportError`; a missing footer is no error, but `None`."""
+    return gather(lines(path), str(path))
+
+
+def gather(records: Iterable[JSON], place: str = "the report") -> Report:
+    """The report these records make. Raises `ReportError` where they do not begin with a header."""
+    report: Report | None = None
+    for record in records:
+        kind = record["kind"]
+        if kind == "header":
+            report = Report(record)
+        elif report is None:
+            raise ReportError(f"{place} does not begin with a header")
+        elif kind == "claim":
+            report.claims[record["id"]] = record
+        elif kind == "case":
+            report.cases[record["id"]] = record
+        elif kind == "result":
+            report.results.append(record)
+        elif kind == "evidence":
+            report.evidence[record["claim"]] = record
+        else:
+            report.footer = record
+    if report is None:
+        raise ReportError(f"{place} is empty")
+    return report
