@@ -83,14 +83,24 @@ def no_duplicate_face(trial: Trial) -> Finding:
     _, faces = _arrays(trial)
     if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
         return passed()
-    rows = np.sort(faces.astype(np.int64), axis=1)
-    order = np.lexsort(rows.T)
-    same = (rows[order][1:] == rows[order][:-1]).all(axis=1)
+    order, same = _repeats(np.sort(faces.astype(np.int64), axis=1))
     if not same.any():
         return passed()
     at = int(np.argmax(same))
     pair = sorted((int(order[at]), int(order[at + 1])))
     return failed(f"faces {pair[0]} and {pair[1]} are the same triangle", count=int(same.sum()))
+
+
+def _repeats(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """An order that sorts the rows, and where a sorted row equals the one before it."""
+    bits = int(rows.max()).bit_length()
+    if 3 * bits <= 62 and rows.min() >= 0:
+        key = (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2]
+        ordered = np.sort(key)
+        same = ordered[1:] == ordered[:-1]
+        return (np.argsort(key, kind="stable") if same.any() else key), same
+    order = np.lexsort(rows.T)
+    return order, (rows[order][1:] == rows[order][:-1]).all(axis=1)
 
 
 def all_used(trial: Trial) -> Finding:

@@ -87,22 +87,27 @@ def _along(
     # A crossing beyond the last sample belongs to no step.
     step = np.ceil(height).astype(np.int64) - 1
     within = (step >= 0) & (step < shape[0] - 1)
-    places_found = np.ravel_multi_index((step[within], column[within, 0], column[within, 1]), shape)
+    seen = ((step * shape[1] + column[:, 0]) * shape[2] + column[:, 1])[within]
     changes = np.flatnonzero(inside[:-1] != inside[1:])
-    flat_inside = inside.reshape(-1)
-    behind = shape[1] * shape[2]
-    turn = flat_inside[changes].astype(np.int64) - flat_inside[changes + behind]
-    key, group = np.unique(np.concatenate([places_found, changes]), return_inverse=True)
-    found = np.zeros(len(key), np.int64)
-    np.add.at(found, group[: len(places_found)], sign[within])
-    wanted = np.zeros(len(key), np.int64)
-    wanted[group[len(places_found) :]] = turn
-    if (found != wanted).any():
+    turn = 2 * inside.reshape(-1)[changes].astype(np.int64) - 1
+    if _same(seen, sign[within], changes, turn):
+        key, found, wanted = changes, turn, turn
+    else:
+        key, group = np.unique(np.concatenate([seen, changes]), return_inverse=True)
+        found, wanted = np.zeros((2, len(key)), np.int64)
+        np.add.at(found, group[: len(seen)], sign[within])
+        wanted[group[len(seen) :]] = turn
         touched = _touched(lattice, places, turned, height, column)
         key, found, wanted = _bridged(key, found, wanted, touched, shape)
     start = np.stack(np.unravel_index(key, shape), 1)
-    back = np.argsort(turned)
-    return start[:, back], found, wanted
+    return start[:, np.argsort(turned)], found, wanted
+
+
+def _same(seen: Integers, sign: Integers, changes: Integers, turn: Integers) -> bool:
+    """Each change of side is seen once, with its sign, and nothing else is."""
+    return len(seen) == len(changes) and np.array_equal(
+        np.sort(4 * seen + sign), 4 * changes + turn
+    )
 
 
 def crossings(
@@ -122,55 +127,60 @@ def crossings(
     column : (n, 2) the line's other two index coordinates
     sign : (n,) +1 where the right-hand normal points along axis 0
     """
-    found = [
-        _crossings_of_side(places, faces, shape, last)
-        for last in ((False, False), (False, True), (True, False), (True, True))
-    ]
-    height, column, sign = (np.concatenate(part) for part in zip(*found, strict=True))
-    return height, column, sign
-
-
-def _crossings_of_side(
-    places: Floats, faces: Integers, shape: tuple[int, ...], last: tuple[bool, bool]
-) -> tuple[Floats, Integers, Integers]:
-    """Crossings with the lines on the last plane of the marked axes, or off it.
-
-    The last plane's lines are displaced downwards: mirror them, and downwards is upwards.
-    """
+    face, column = _candidates(places, faces, shape)
+    last = column == np.subtract(shape[1:], 1)
+    # On a last plane the line is displaced downwards: mirror it, and downwards is upwards.
     mirror = np.where(last, -1, 1)
-    flat = places[:, 1:] * mirror
-    corners = flat[faces]
-    # A line at j + e is within [low, high] exactly when low <= j < high.
-    first = np.ceil(corners.min(axis=1)).astype(np.int64)
-    final = np.ceil(corners.max(axis=1)).astype(np.int64) - 1
-    planes = np.subtract(shape[1:], 1)
-    first = np.maximum(first, np.where(last, -planes, 0))
-    final = np.minimum(final, np.where(last, -planes, planes - 1))
-    face, column = _pairs(first, final)
-    p = corners[face] - column[:, None, :]
-    q = p[:, [1, 2, 0]]
-    side = p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]
-    upwards = (p[..., 1] <= 0) & (q[..., 1] > 0) & (side > 0)
-    downwards = (p[..., 1] > 0) & (q[..., 1] <= 0) & (side < 0)
-    turns = upwards.sum(axis=1) - downwards.sum(axis=1)
+    corners = places[faces[face]]
+    p = (corners[:, :, 1:] - column[:, None]) * mirror[:, None]
+    py, pz = p[..., 0], p[..., 1]
+    qy, qz = py[:, [1, 2, 0]], pz[:, [1, 2, 0]]
+    side = py * qz - pz * qy
+    turns = ((pz <= 0) & (qz > 0) & (side > 0)).sum(1) - ((pz > 0) & (qz <= 0) & (side < 0)).sum(1)
     hit = np.flatnonzero(turns)
-    heights = places[faces[face[hit]], 0]
+    heights = corners[hit, :, 0]
     weights = side[hit][:, [1, 2, 0]]
-    height = (heights * weights).sum(axis=1) / weights.sum(axis=1)
-    height = np.clip(height, heights.min(axis=1), heights.max(axis=1))
-    sign = turns[hit] * int(mirror.prod())
-    return height, column[hit] * mirror, sign
+    height = (heights * weights).sum(1) / weights.sum(1)
+    height = np.minimum(np.maximum(height, heights.min(1)), heights.max(1))
+    return height, column[hit], turns[hit] * mirror[hit].prod(1)
 
 
-def _pairs(first: Integers, final: Integers) -> tuple[Integers, Integers]:
-    """Each face with each line whose two coordinates lie between first and final, inclusive."""
-    count = np.maximum(final - first + 1, 0)
-    total = count.prod(axis=1)
-    face = np.repeat(np.arange(len(first)), total)
-    rank = np.arange(len(face)) - np.repeat(np.cumsum(total) - total, total)
-    width = count[face, 1]
-    offset = np.stack([rank // np.maximum(width, 1), rank % np.maximum(width, 1)], 1)
-    return face, first[face] + offset
+def _candidates(
+    places: Floats, faces: Integers, shape: tuple[int, ...]
+) -> tuple[Integers, Integers]:
+    """Faces and lines whose projections' boxes meet: (n,) faces and (n, 2) lines.
+
+    A line at j + e is within [low, high] exactly when low <= j < high, one at j - e when
+    low < j <= high.
+    """
+    first, count = [], []
+    for axis in (1, 2):
+        above = np.ceil(places[:, axis]).astype(np.int32)
+        at = above[faces[:, 0]], above[faces[:, 1]], above[faces[:, 2]]
+        low = np.maximum(np.minimum(np.minimum(at[0], at[1]), at[2]), 0)
+        high = np.minimum(np.maximum(np.maximum(at[0], at[1]), at[2]), shape[axis] - 1)
+        # A face that reaches the last plane also meets the line there, unless it lies in it.
+        reaches = np.flatnonzero(high == shape[axis] - 1)
+        levels = places[faces[reaches], axis]
+        reaches = reaches[(levels.max(1) >= shape[axis] - 1) & (levels.min(1) < shape[axis] - 1)]
+        high[reaches] += 1
+        first.append(low)
+        count.append(np.maximum(high - low, 0))
+    met = np.flatnonzero((count[0] > 0) & (count[1] > 0))
+    return _spread(met, [c[met] for c in first], [c[met] for c in count])
+
+
+def _spread(
+    face: Integers, first: list[Integers], count: list[Integers]
+) -> tuple[Integers, Integers]:
+    """Each face once for each of its ``count[0] * count[1]`` lines from `first` on."""
+    total = count[0] * count[1]
+    if (total == 1).all():
+        return face, np.stack(first, axis=1).astype(np.int64)
+    which = np.repeat(np.arange(len(face)), total)
+    rank = np.arange(len(which)) - np.repeat(np.cumsum(total) - total, total)
+    over, along = np.divmod(rank, count[1][which])
+    return face[which], np.stack([first[0][which] + over, first[1][which] + along], axis=1)
 
 
 def _touched(
