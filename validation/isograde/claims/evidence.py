@@ -12,6 +12,7 @@ from isoref.field import Booleans, Floats, Integers
 from isograde.model import Finding, Judge, Outcome, Trial, Verdict
 from isograde.truths.halfedges import Surface
 from isograde.truths.lattice import Lattice
+from isograde.truths.traces import Traces, traces
 from isograde.truths.winding import Steps, steps
 
 T = TypeVar("T")
@@ -91,6 +92,14 @@ def steps_of(trial: Trial) -> Steps:
     surface = surface_of(trial)
     return remembered(
         trial, "steps", lambda: steps(lattice_of(trial), surface.points, surface.faces)
+    )
+
+
+def traces_of(trial: Trial) -> Traces:
+    """The plain outcome's traces in the cells."""
+    surface = surface_of(trial)
+    return remembered(
+        trial, "traces", lambda: traces(lattice_of(trial), surface.points, surface.faces)
     )
 
 

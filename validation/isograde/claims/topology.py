@@ -15,6 +15,7 @@ import numpy as np
 from isograde.claims.evidence import (
     failed,
     judged_surface,
+    lattice_of,
     off_border,
     off_ties,
     on_triangles,
@@ -22,8 +23,10 @@ from isograde.claims.evidence import (
     place,
     steps_of,
     surface_of,
+    traces_of,
 )
 from isograde.model import Claim, Finding, Judge, Trial
+from isograde.truths.bilinear import saddles
 
 WELDED = frozenset({"welded"})
 HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
@@ -138,6 +141,39 @@ def facing(trial: Trial) -> Finding:
     )
 
 
+def bilinear(trial: Trial) -> Finding:
+    """Pass when every ambiguous face is connected as the bilinear interpolant connects it.
+
+    A face whose saddle is exactly on the surface may be either way, and cells with a tied corner
+    are not judged.
+    """
+    traces, lattice = traces_of(trial), lattice_of(trial)
+    row, face, sign, _ = saddles(lattice, traces)
+    judged = ~traces.tied[row]
+    row, face, sign = row[judged], face[judged], sign[judged]
+    separated, joined = traces.separated[row, face], traces.joined[row, face]
+    bad = np.flatnonzero(np.where(sign > 0, ~joined, np.where(sign < 0, ~separated, False)))
+    counts = {
+        "faces": len(row),
+        "joined": int(joined.sum()),
+        "separated": int(separated.sum()),
+        "degenerate": int((sign == 0).sum()),
+    }
+    if not len(bad):
+        return passed(**counts)
+    n = int(bad[0])
+    cell, f = traces.place[row[n]].tolist(), int(face[n])
+    return failed(
+        f"{len(bad)} of {len(row)} ambiguous faces; on the {'low' if f % 2 == 0 else 'high'} face "
+        f"of axis {f // 2} of the cell at {cell} the bilinear interpolant "
+        f"{'joins' if sign[n] > 0 else 'separates'} the inside corners",
+        wrong=len(bad),
+        cell=cell,
+        face=f,
+        **counts,
+    )
+
+
 def _claim(name: str, rule: str, source: str, judge: Judge, welded: bool = True) -> Claim:
     """A claim of this family: level 1, vertices as given."""
     return Claim(
@@ -185,5 +221,13 @@ CLAIMS = (
         "isograde design: from inside to outside, from high to low, unless declared",
         facing,
         welded=False,
+    ),
+    Claim(
+        id="topology.bilinear",
+        rule="On every ambiguous face the mesh connects what the bilinear interpolant connects.",
+        source="Nielson & Hamann 1991, section 2: the asymptotic decider",
+        level=3,
+        judge=on_triangles(bilinear),
+        unless=frozenset({"on-edges", "welded"}),
     ),
 )

@@ -1,0 +1,93 @@
+"""Traces of a mesh in the cells, and which are legal, beside counts from other sources."""
+
+import mcubes
+import numpy as np
+import pytest
+from isograde.truths.lattice import Lattice
+from isograde.truths.traces import CORNERS, FACES, NODES, legal, polygons, segments_on, traces
+from isoref.field import Field
+from skimage import measure
+
+
+def test_every_face_has_four_nodes_and_six_pairs() -> None:
+    """Twelve nodes, each on two faces."""
+    assert len(NODES) == 12
+    assert all(len(segments_on(face)) == 6 for face in FACES)
+
+
+def test_a_legal_trace_meets_every_crossed_edge_once() -> None:
+    """Each crossed edge is an end of exactly one segment of each of its faces; no other is."""
+    for signs, faces in enumerate(legal()):
+        inside = {c for bit, c in enumerate(CORNERS) if signs >> bit & 1}
+        for (axis, side), pair in zip(FACES, faces, strict=True):
+            for code in pair:
+                ends = [
+                    p
+                    for s, segment in enumerate(segments_on((axis, side)))
+                    if code >> s & 1
+                    for p in segment
+                ]
+                crossed = [
+                    p
+                    for p in NODES
+                    if p[axis] == side
+                    and len({tuple(e if x == 1 else x for x in p) for e in (0, 2)} & inside) == 1
+                ]
+                assert sorted(ends) == sorted(crossed)
+
+
+def test_complementary_cells_swap_separated_and_joined() -> None:
+    """Exchanging inside and outside exchanges the two legal traces of an ambiguous face."""
+    table = legal()
+    assert np.array_equal(table[::-1, :, ::-1], table)
+
+
+def test_resolutions_have_the_cycle_lengths_of_vesta() -> None:
+    """Separated everywhere, the 256 cells have 144, 66, 72, 52, 24 cycles of 3 to 7 nodes.
+
+    Schlei's Figure 15 and Table I: either global mode gives these numbers of cycles.
+    """
+    table = legal()
+    total, nodes = 0, 0
+    for signs in range(256):
+        for mode in (0, 1):
+            code = sum(int(table[signs, f, mode]) << 6 * f for f in range(6))
+            total += polygons(code)
+            nodes += code.bit_count()
+    assert total == 2 * (144 + 66 + 72 + 52 + 24)
+    assert nodes == 2 * (3 * 144 + 4 * 66 + 5 * 72 + 6 * 52 + 7 * 24)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_peers_are_legal_and_keep_their_polarity(seed: int) -> None:
+    """PyMCubes joins the inside corners, skimage's lorensen separates them, lewiner does both."""
+    field = Field.of(np.random.default_rng(seed).normal(size=(6, 7, 8)))
+    lattice = Lattice.of(field, 0.0)
+    mixed = measure.marching_cubes(field.values, 0.0)[:2]
+    apart = measure.marching_cubes(field.values, 0.0, method="lorensen")[:2]
+    together = mcubes.marching_cubes(field.values, 0.0)
+    for mesh, choices in ((together, (False, True)), (apart, (True, False)), (mixed, (True, True))):
+        places = lattice.index(np.asarray(mesh[0], float))
+        found = traces(lattice, places, np.asarray(mesh[1], np.int64))
+        judged = ~found.tied
+        assert (found.separated | found.joined)[judged].all()
+        seen = [(x & found.ambiguous)[judged].any() for x in (found.separated, found.joined)]
+        assert tuple(seen) == choices
+
+
+def test_a_triangle_that_spans_cells_is_found() -> None:
+    """No cell contains it."""
+    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(4, 4, 4))), 0.0)
+    places = np.array([[0.5, 0, 0], [2.5, 0, 0], [0, 0.5, 0]])
+    assert traces(lattice, places, np.array([[0, 1, 2]])).spanning.tolist() == [0]
+
+
+def test_a_flat_triangle_belongs_to_either_side() -> None:
+    """A cell is legal with a triangle in its face, as one of the two cells there."""
+    values = np.array([[[1.0, -1], [-1, 1]], [[-1.0, -1], [-1, -1]], [[-1.0, -1], [-1, -1]]])
+    field = Field.of(values)
+    lattice = Lattice.of(field, 0.0)
+    places = np.array([[0, 0.5, 0], [0, 0, 0.5], [0, 1, 0.5], [0, 0.5, 1]])
+    found = traces(lattice, places, np.array([[0, 1, 2]]))
+    assert found.flat[0] != 0
+    assert found.code[0] == 0
