@@ -71,7 +71,7 @@ def test_the_peers_are_legal_and_keep_their_polarity(seed: int) -> None:
         found = traces(lattice, places, np.asarray(mesh[1], np.int64))
         judged = ~found.tied
         assert (found.separated | found.joined)[judged].all()
-        seen = [(x & found.ambiguous)[judged].any() for x in (found.separated, found.joined)]
+        seen = [bool((x & found.ambiguous)[judged].any()) for x in (found.separated, found.joined)]
         assert tuple(seen) == choices
 
 
