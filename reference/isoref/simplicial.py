@@ -118,7 +118,7 @@ def extract(
 
     >>> i, j = np.indices((5, 5))
     >>> extract(Field.of((i - 2) ** 2 + (j - 2) ** 2), 2.5)
-    Mesh(20 vertices in R^2, 20 simplices of dimension 1)
+    Mesh(22 vertices in R^2, 22 simplices of dimension 1)
     """
     return to_mesh(section_of_field(field, isovalue, rule, epsilon, memory), field)
 
@@ -249,7 +249,7 @@ def levels(isovalue: Isovalue, m: int) -> Floats:
     >>> levels(2, 3).tolist()
     [2.0, 2.0, 2.0]
     """
-    given = [isovalue] * m if np.isscalar(isovalue) else list(isovalue)  # type: ignore[arg-type]
+    given = list(isovalue) if isinstance(isovalue, Sequence | np.ndarray) else [isovalue] * m
     if len(given) != m:
         raise FieldError(f"{len(given)} isovalues for {m} components; give one, or one a component")
     return np.array([check_isovalue(value) for value in given])
@@ -329,7 +329,7 @@ def kuhn_complex(
     rows = [places[own][:, chain] for own, chain in zip(hit, chains(n), strict=True)]
     orientation = [np.full(len(own), s) for own, s in zip(hit, signs(n), strict=True)]
     parents = [cells[own] * factorial(n) + J for J, own in enumerate(hit)]
-    points = np.stack(np.unravel_index(numbers, shape), axis=1).astype(np.float64)
+    points = np.array(np.unravel_index(numbers, shape), np.float64).T
     return Complex(
         points, values, np.concatenate(rows), np.concatenate(orientation), np.concatenate(parents)
     )
@@ -338,8 +338,9 @@ def kuhn_complex(
 def to_mesh(complex_: Complex, field: Field) -> Mesh:
     """The mesh of a complex without values, oriented, in space, with the used vertices only."""
     used, places = weld(complex_.simplices.ravel())
-    rows = places.reshape(complex_.simplices.shape)
-    if rows.shape[1] > 1:
+    size = complex_.simplices.shape[1]
+    rows = places.reshape(-1, size)
+    if size > 1:
         negative = complex_.signs < 0
         rows[negative, -2:] = rows[negative, -2:][:, ::-1]
     return Mesh(field.position(complex_.points[used]), rows)
