@@ -11,7 +11,7 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from isoref import asymptotic_decider, lorensen_cline, marching_vesta
+from isoref import asymptotic_decider, lorensen_cline, marching_vesta, trilinear_cubes
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule
@@ -26,6 +26,7 @@ RULES: dict[str, Rule] = {
         lorensen_cline.RULE,
         asymptotic_decider.RULE,
         *marching_vesta.RULES,
+        trilinear_cubes.RULE,
     )
 }
 
