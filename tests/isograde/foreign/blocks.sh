@@ -7,7 +7,7 @@ while read -r line; do
     case $line in
     *'"start"'*)
         echo '{"protocol": 1, "declaration": {"name": "blocks", "level": 0,
-            "without": ["lattice-edges", "linear-crossing", "welded"]}}' | tr -d '\n'
+            "without": ["on-edges", "linear-crossing", "welded"]}}' | tr -d '\n'
         echo ;;
     *'"stop"'*) exit ;;
     *'"dtype": "<f8"'*)

@@ -50,7 +50,7 @@ int main(void) {
     while (fgets(line, sizeof line, stdin) && !strstr(line, "\"stop\"")) {
         if (strstr(line, "\"start\"")) {
             puts("{\"protocol\": 1, \"declaration\": {\"name\": \"tetrahedra in C\", \"level\": 1,"
-                 " \"without\": [\"welded\", \"lattice-edges\"]}}");
+                 " \"without\": [\"welded\", \"on-edges\"]}}");
         } else if (strncmp(after(line, "\"dtype\": "), "\"<f8\"", 5)) {
             puts("{\"unsupported\": \"reads float64 only\"}");
         } else {

@@ -64,23 +64,22 @@ def load(spec: str) -> tuple[Extract, Declaration]:
 
     ready = READY_MADE[spec]
     try:
-        extract, version = ready.load()
+        return ready.load(), ready.declaration(spec)
     except (ImportError, OSError) as error:
-        raise DoorError(f"{spec}: {advice(error, ready.install)}") from error
-    return extract, ready.declaration(spec, version)
+        raise DoorError(f"{spec}: {advice(error, ready.distribution)}") from error
 
 
-def advice(error: Exception, install: str) -> str:
-    """What to install, where an import failed with `error`.
+def advice(error: Exception, distribution: str) -> str:
+    """What to install, where an import of the distribution failed with `error`.
 
-    >>> advice(ImportError("libGL.so.1: cannot open shared object file"), "pip install vtk")
+    >>> advice(ImportError("libGL.so.1: cannot open shared object file"), "vtk")
     'the system library libGL.so.1 is missing: install it (Debian, Ubuntu: apt-get install libgl1)'
-    >>> advice(ModuleNotFoundError("No module named 'vtk'"), "pip install vtk")
+    >>> advice(ModuleNotFoundError("No module named 'vtk'"), "vtk")
     "No module named 'vtk': pip install vtk"
     """
     missing = re.match(r"(lib[\w+.-]+\.so[\d.]*): cannot open shared object", str(error))
     if not missing:
-        return f"{error}: {install}"
+        return f"{error}: pip install {distribution}"
     library = missing[1]
     package = SYSTEM_PACKAGES.get(library[: library.index(".so") + 3])
     how = f"apt-get install {package}" if package else f"apt-file search {library} names it"
