@@ -1,0 +1,77 @@
+"""The claim on how often each configuration occurs: Table 1, counted on the mesh.
+
+One count is read off the mesh: in each cell the configuration is that of the samples, and the
+variant follows from the segments in which the mesh meets the cell's ambiguous faces. The other is
+taken from the samples alone (`isograde.frequencies`). Cells with a tied corner or with a saddle on
+the isovalue have more than one right answer and are left out of both.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+from isoref.field import Booleans, Integers
+
+from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, traces_of
+from isograde.frequencies import CORNERS, ROWS, rows_of, rows_with
+from isograde.model import Claim, Finding, Trial
+from isograde.truths.bilinear import saddles
+from isograde.truths.lattice import Lattice
+from isograde.truths.traces import Traces
+
+UNKNOWN = "none"
+
+
+def judged_cells(lattice: Lattice, traces: Traces) -> Booleans:
+    """(n,) cells whose variant has one right answer."""
+    row, _, sign, _ = saddles(lattice, traces)
+    judged = ~traces.tied
+    judged[row[sign == 0]] = False
+    return judged
+
+
+def rows_found(traces: Traces, signs: Integers) -> Integers:
+    """(n,) index into `ROWS` of what the mesh makes of each cell, or -1."""
+    fits = np.asarray(traces.separated | traces.joined).all(axis=1)
+    separated = (traces.separated & traces.ambiguous).sum(axis=1)
+    return np.where(fits, rows_with(signs, separated), -1)
+
+
+def counted(rows: Integers) -> Counter[str]:
+    """How many cells each row has; -1 counts as `UNKNOWN`."""
+    return Counter({(*ROWS, UNKNOWN)[row]: n for row, n in Counter(rows.tolist()).items()})
+
+
+def frequencies(trial: Trial) -> Finding:
+    """Pass when the counts on the mesh are those of the samples, row by row."""
+    lattice, traces = lattice_of(trial), traces_of(trial)
+    judged = judged_cells(lattice, traces)
+    i, j, k = traces.place.T
+    signs = np.zeros(len(traces.cell), np.int64)
+    for bit, (a, b, c) in enumerate(CORNERS):
+        signs |= lattice.inside[i + a, j + b, k + c].astype(np.int64) << bit
+    wanted = rows_of(lattice.field, lattice.isovalue, signs, traces.place)
+    expected, found = counted(wanted[judged]), counted(rows_found(traces, signs)[judged])
+    if expected == found:
+        return passed(cells=int(judged.sum()), counts=dict(expected))
+    rows = [row for row in (*ROWS, UNKNOWN) if expected[row] != found[row]]
+    return failed(
+        "; ".join(f"{found[row]} cells of {row} instead of {expected[row]}" for row in rows),
+        cells=int(judged.sum()),
+        found=dict(found),
+        expected=dict(expected),
+    )
+
+
+CLAIMS = (
+    Claim(
+        id="cases.frequencies",
+        rule="The cells counted by configuration and variant, as the mesh resolves them, are as "
+        "many as the bilinear interpolant says, row by row of Table 1.",
+        source="Nielson & Hamann 1991, section 4, Table 1",
+        level=3,
+        judge=on_triangles(frequencies),
+        unless=frozenset({"on-edges", "welded"}),
+    ),
+)
