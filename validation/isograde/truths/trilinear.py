@@ -350,7 +350,7 @@ def _links(part: Slice) -> list[tuple[int, int]]:
 
 
 @cache
-def _topology(row: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+def topology(row: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
     """(rim, body, Euler characteristic of the level set) of a reading without ties."""
     slices, names, euler = _slices(row), _Names(), {1: 0, -1: 0}
     for s, part in enumerate(slices):
@@ -368,10 +368,10 @@ def _topology(row: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...], i
     body = [names.find((0 if c < 4 else last, c % 4)) for c in range(8)]
     empty = len(set(row[:8])) == 1
     total = 0 if empty else euler[1] + euler[-1] - 1
-    return _rim(row[:8], row[16:]), tuple(body.index(name) for name in body), total
+    return rim_of(row[:8], row[16:]), tuple(body.index(name) for name in body), total
 
 
-def _rim(signs: tuple[int, ...], faces: tuple[int, ...]) -> tuple[int, ...]:
+def rim_of(signs: tuple[int, ...], faces: tuple[int, ...]) -> tuple[int, ...]:
     """For each corner the first corner of its part of the cell's skin."""
     names = _Names()
     for a, b in EDGES:
@@ -457,7 +457,7 @@ def _cells(values: ArrayLike, isovalue: float, *, skip_plain: bool) -> Truths:
     raw = raw.reshape(-1, 8)
     reading, exact = _read_all(raw, isovalue, skip_plain)
     rows, back = np.unique(reading.rows, axis=0, return_inverse=True)
-    answers = [_topology(tuple(row)) if all(row[:8]) else None for row in rows.tolist()]
+    answers = [topology(tuple(row)) if all(row[:8]) else None for row in rows.tolist()]
     rim, body, euler = (
         np.array([a[part] if a else blank for a in answers], np.int64)[back.reshape(-1)]
         if answers
@@ -506,7 +506,7 @@ def _derive_plain() -> NDArray[np.bool_]:
     plain = np.zeros(256, bool)
     for code in range(256):
         signs = tuple(1 if code >> c & 1 else -1 for c in range(8))
-        plain[code] = len(set(_rim(signs, (0,) * 6))) == len(set(signs))
+        plain[code] = len(set(rim_of(signs, (0,) * 6))) == len(set(signs))
     return plain
 
 
