@@ -1,8 +1,26 @@
 """Every claim the grader judges, by id: one module a family, each with a tuple ``CLAIMS``."""
 
-from isograde.claims import cases, counting, frequencies, geometry, structure, topology
+from isograde.claims import (
+    cases,
+    counting,
+    frequencies,
+    geometry,
+    robustness,
+    structure,
+    symmetry,
+    topology,
+)
 from isograde.model import Claim
 
-FAMILIES = (structure, topology, geometry, cases, frequencies, counting)
+FAMILIES = (
+    structure,
+    topology,
+    geometry,
+    cases,
+    frequencies,
+    counting,
+    symmetry,
+    robustness,
+)
 
 CLAIMS: dict[str, Claim] = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}

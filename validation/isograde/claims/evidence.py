@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
-from isograde.model import Finding, Judge, Outcome, Trial, Verdict
+from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
 from isograde.truths.halfedges import Surface
 from isograde.truths.lattice import Lattice
 from isograde.truths.traces import Traces, traces
@@ -33,6 +33,16 @@ def failed(detail: str, **numbers: Any) -> Finding:
 def skipped(detail: str) -> Finding:
     """The case offers nothing to judge the claim by."""
     return Finding(Verdict.SKIP, detail)
+
+
+VERDICT_OF = {
+    Status.DECLINED: Verdict.UNSUPPORTED,
+    Status.RAISED: Verdict.ERROR,
+    Status.GARBAGE: Verdict.FAIL,
+    Status.CRASH: Verdict.CRASH,
+    Status.TIMEOUT: Verdict.TIMEOUT,
+    Status.MEMORY: Verdict.TIMEOUT,
+}
 
 
 def remembered(trial: Trial, key: str, compute: Callable[[], T]) -> T:

@@ -7,17 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isograde.claims.evidence import answered, failed, first_row, passed
+from isograde.claims.evidence import VERDICT_OF, answered, failed, first_row, passed
 from isograde.model import Claim, Finding, Status, Trial, Verdict
-
-VERDICT_OF = {
-    Status.RAISED: Verdict.ERROR,
-    Status.DECLINED: Verdict.UNSUPPORTED,
-    Status.GARBAGE: Verdict.FAIL,
-    Status.CRASH: Verdict.CRASH,
-    Status.TIMEOUT: Verdict.TIMEOUT,
-    Status.MEMORY: Verdict.TIMEOUT,
-}
 
 
 def answers(trial: Trial) -> Finding:
