@@ -45,6 +45,7 @@ from isograde.model import (
     Trial,
     Verdict,
 )
+from isograde.variants import pose
 
 # Keep a failed case whole, for its picture and its numbers, up to this many samples.
 SHOWN_SAMPLES = 2200
@@ -203,7 +204,10 @@ class Worker:
         for name in variants:
             if name in outcomes:
                 continue
-            field, isovalue = posed(name, trial)
+            posed = pose(name, trial.field, trial.case.isovalue)
+            if posed is None:
+                continue
+            field, isovalue = posed
             outcome = self.door.run(Request(trial.case.id, name, field, isovalue))
             self.hangs = self.hangs + 1 if outcome.status is Status.TIMEOUT else 0
             outcomes[name] = outcome
@@ -222,13 +226,6 @@ class Worker:
             return claim.judge(trial)
         except Exception as error:  # noqa: BLE001 - counted and shown as a fault of the grader
             return Finding(Verdict.NOT_RUN, f"{JUDGE_FAULT}: {type(error).__name__}: {error}")
-
-
-def posed(name: str, trial: Trial) -> tuple[Field, float]:
-    """The field and the isovalue of a variant of the trial's case."""
-    if name == "plain":
-        return trial.field, trial.case.isovalue
-    raise NotImplementedError(name)
 
 
 def _all(case: Case, claims: Iterable[Claim], finding: Finding) -> Judged:
