@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import difflib
 
+from isograde.doors.directory import DirectoryDoor, export
 from isograde.doors.exec import ExecDoor
 from isograde.doors.python import PythonDoor
 from isograde.doors.ready_made import READY_MADE
 from isograde.model import Door, DoorError
 
-__all__ = ["open_door", "ready_made_names"]
+__all__ = ["export", "open_door", "ready_made_names"]
 
 
 def ready_made_names() -> list[str]:
@@ -46,6 +47,8 @@ def open_door(spec: str) -> Door:
         return PythonDoor(spec)
     if kind == "exec" and rest:
         return ExecDoor(spec)
+    if kind == "dir" and rest:
+        return DirectoryDoor(spec)
     close = difflib.get_close_matches(spec, READY_MADE, n=1)
     hint = f"did you mean {close[0]}?" if close else "`isograde list implementations`"
     raise DoorError(f"no implementation {spec!r}; {hint}")

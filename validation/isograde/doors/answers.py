@@ -14,6 +14,10 @@ from isograde.model import Status
 Arrays = list[NDArray[Any]]
 MESH_FILES = (".ply", ".obj", ".off", ".stl")
 
+# The first words of lines in an .obj file that has no faces, and how much of it is looked at.
+OBJ_WORDS = {b"v", b"vn", b"vt", b"o", b"g", b"s", b"mtllib", b"usemtl"}
+CHECKED_BYTES = 1 << 16
+
 
 class AnswerError(ValueError):
     """The answer cannot be judged; `status` says whether it is garbage or too large."""
@@ -69,6 +73,8 @@ def mesh_in(path: Path, limit: int) -> Arrays:
         raise AnswerError(f"{path.name}: a mesh file ends in {', '.join(MESH_FILES)}")
     _check_file(path, limit)
     vertices, faces = _tried(path.name, lambda: _read_mesh(path))
+    if not len(faces) and not _says_empty(path):
+        raise AnswerError(f"{path.name} is no mesh file")
     if path.suffix.lower() == ".stl" and len(vertices):
         vertices, where = np.unique(vertices, axis=0, return_inverse=True)
         faces = where.reshape(-1)[faces]
@@ -80,16 +86,30 @@ def _read_mesh(path: Path) -> tuple[NDArray[Any], NDArray[Any]]:
     import trimesh
 
     mesh = trimesh.load(path, force="mesh", process=False, maintain_order=True)
-    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    return vertices, faces if faces.size else np.empty((0, 3), np.int64)
+
+
+def _says_empty(path: Path) -> bool:
+    """Whether a file without faces is one: .stl and .obj are read from any text without a word."""
+    beginning = path.read_bytes()[:CHECKED_BYTES]
+    if path.suffix.lower() == ".stl":
+        return beginning.lstrip().startswith(b"solid") or beginning[80:] == bytes(4)
+    if path.suffix.lower() == ".obj":
+        words = (line.split()[0] for line in beginning.splitlines() if line.strip())
+        return all(word in OBJ_WORDS or word.startswith(b"#") for word in words)
+    return True
 
 
 def _check_file(path: Path, limit: int) -> None:
     """Nothing, where `path` is a regular file within the limit; else raises `AnswerError`."""
     if not path.is_file():
         raise AnswerError(f"no such file: {path.name}")
-    if path.stat().st_size > limit:
-        size = f"{path.stat().st_size:,} bytes"
-        raise AnswerError(f"an absurd mesh: {path.name} has {size}", Status.MEMORY)
+    size = path.stat().st_size
+    if size == 0:
+        raise AnswerError(f"{path.name} has no bytes; a mesh without faces has a header at least")
+    if size > limit:
+        raise AnswerError(f"an absurd mesh: {path.name} has {size:,} bytes", Status.MEMORY)
 
 
 def _tried(name: str, make: Callable[[], Any]) -> Any:
