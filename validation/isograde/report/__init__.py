@@ -1,1 +1,36 @@
 """What the grader writes: JSON lines, HTML, Markdown, JUnit XML, a badge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from isograde.report.badge import badge
+from isograde.report.junit import junit
+from isograde.report.markdown import markdown
+from isograde.report.page import page
+from isograde.report.record import Report
+
+FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
+    "html": (".html", page),
+    "md": (".md", markdown),
+    "junit": (".junit.xml", junit),
+    "badge": (".svg", badge),
+}
+
+
+def write(report: Report, folder: Path, stem: str, formats: Iterable[str]) -> list[Path]:
+    """The files of these formats, each written whole or not at all."""
+    return [
+        write_whole(folder / f"{stem}{FORMATS[name][0]}", FORMATS[name][1](report))
+        for name in formats
+    ]
+
+
+def write_whole(path: Path, text: str) -> Path:
+    """The file holds the text; what was there before stays until it does."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(path.name + ".tmp")
+    draft.write_text(text, encoding="utf-8")
+    draft.replace(path)
+    return path

@@ -1,0 +1,99 @@
+"""A report as one HTML file: nothing to load, for light and dark, paper and phone."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from isograde.model import LEVELS
+from isograde.report import words
+from isograde.report.picture import picture
+from isograde.report.record import Report, Summary
+from isograde.report.snippet import snippet
+
+FAMILIES = {
+    "structure": "The arrays as they came",
+    "topology": "How the mesh hangs together",
+    "geometry": "Where the vertices are",
+    "counting": "How many there are",
+    "cases": "What a cell becomes",
+    "symmetry": "The same answer however the field is posed",
+    "robustness": "Input that is no field",
+    "speed": "What it costs",
+}
+
+
+@cache
+def environment() -> Environment:
+    """The templates, with the words they use."""
+    made = Environment(
+        loader=PackageLoader("isograde", "report/templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.globals.update(words=words, LEVELS=LEVELS, families=FAMILIES)
+    made.filters["number"] = _number
+    return made
+
+
+def page(report: Report) -> str:
+    """The report as HTML."""
+    failures = [_shown(report, summary) for summary in report.failures]
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            report=report,
+            failures=failures,
+            groups=_groups(report),
+            cases=_families_of_cases(report),
+        )
+    )
+
+
+def _groups(report: Report) -> dict[str, list[Summary]]:
+    """The judged claims by family."""
+    groups: dict[str, list[Summary]] = {}
+    for summary in report.summaries.values():
+        if summary.judged:
+            groups.setdefault(summary.family, []).append(summary)
+    return groups
+
+
+def _families_of_cases(report: Report) -> dict[str, int]:
+    """How many cases of each family there were."""
+    counts: dict[str, int] = {}
+    for name in report.cases:
+        family = name.split("/")[0]
+        counts[family] = counts.get(family, 0) + 1
+    return counts
+
+
+def _shown(report: Report, summary: Summary) -> dict[str, Any]:
+    """A failed claim with its pictures and the lines that reproduce it."""
+    record = report.evidence.get(summary.id)
+    tie = report.header["implementation"]["conventions"]["tie"]
+    pictures = []
+    if record is not None:
+        pictures.append((report.name, picture(record, "came", "what came back", tie)))
+        if "faces" in record.get("legal", {}):
+            pictures.append(("a legal answer", picture(record, "legal", "a legal answer")))
+    return {
+        "summary": summary,
+        "failure": summary.failure,
+        "pictures": pictures,
+        "record": record,
+        "command": words.reproduce(report, summary),
+        "snippet": snippet(report, summary),
+    }
+
+
+def _number(value: Any) -> str:
+    """A number of the evidence as it is shown."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return f"{value:,}" if isinstance(value, int) else f"{value:.6g}"

@@ -1,0 +1,52 @@
+"""How counts, states and levels are said; the same words on every page."""
+
+from __future__ import annotations
+
+from isograde.model import LEVELS
+from isograde.report.record import Report, Summary
+
+
+def reached(report: Report) -> str:
+    """The level reached, as a phrase.
+
+    A run of a part of the claims or the cases reaches no level: it did not look at the rest.
+    """
+    if report.footer is None:
+        return "cut off"
+    if report.header["only"]:
+        return "part of the cases"
+    if report.reached is None:
+        return "below level 0"
+    return f"level {report.reached} {LEVELS[report.reached][0]}"
+
+
+def verdict(report: Report) -> str:
+    """What the run says of the implementation, in one sentence."""
+    level = report.header["implementation"]["level"]
+    claimed = f"level {level} ({LEVELS[level][0]})"
+    if report.footer is None:
+        return "The report was cut off: it has no footer. What follows is what there is."
+    if report.broken:
+        n = len(report.broken)
+        return f"It claims {claimed}. {n} of the claims it makes {'fails' if n == 1 else 'fail'}."
+    return f"It claims {claimed}. Every claim it makes holds on every case tried."
+
+
+def counted(summary: Summary) -> str:
+    """The counts of a claim, the passes first."""
+    order = ("pass", "fail", "error", "crash", "timeout", "not run", "unsupported", "skip")
+    parts = [f"{summary.counts[word]:,} {word}" for word in order if summary.counts[word]]
+    return ", ".join(parts)
+
+
+def level_of(summary: Summary) -> str:
+    """The claim's level, or where it stands instead."""
+    level = summary.claim["level"]
+    return "beside" if level is None else str(level)
+
+
+def reproduce(report: Report, summary: Summary) -> str:
+    """The command that judges the smallest failed case again."""
+    assert summary.failure is not None
+    seed = f" --seed {report.header['seed']}" if report.header["seed"] else ""
+    return f"isograde grade {report.spec} --only {summary.failure.case}{seed}"
