@@ -66,7 +66,15 @@ class Listing(StrEnum):
     LEVELS = "levels"
 
 
-Format = StrEnum("Format", {name.upper(): name for name in reports.FORMATS})
+class Format(StrEnum):
+    """What `isograde grade` writes beside the JSON lines."""
+
+    HTML = "html"
+    MARKDOWN = "md"
+    JUNIT = "junit"
+    BADGE = "badge"
+
+
 GRADE_HELP = "python:module:function, exec:command, dir:path, or a ready-made name (list them)."
 Spec = Annotated[str, typer.Argument(metavar="IMPLEMENTATION", help=GRADE_HELP)]
 
@@ -85,7 +93,9 @@ def grade(
     everything: Annotated[
         bool, typer.Option("--all", help="Every ready-made implementation, and a comparison.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="Folder for the reports.")] = Path("report"),
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the report: report, or report/only with --only.")
+    ] = None,
     full: Annotated[bool, typer.Option("--full", help="Every case, every variant.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Other numbers under the same ids.")] = 0,
     only: Annotated[
@@ -107,6 +117,7 @@ def grade(
     limits = Limits(timeout, memory)
     options = Options(seed, full, tuple(only or ()), limits, jobs or processors())
     kinds = [kind.value for kind in formats] if formats else list(reports.FORMATS)
+    out = out or Path("report/only" if only else "report")
     if everything:
         _grade_all(options, out, kinds)
         return
@@ -192,19 +203,19 @@ def _tell(result: record.Report) -> None:
     """Print the ladder and what failed."""
     console.print(f"[bold]{escape(result.name)}[/]: {words.reached(result)}")
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    colour = {"pass": "green", "fail": "red", "not judged": "dim"}
+    colours = {"pass": "green", "fail": "red", "not judged": "dim"}
     for rung in reversed(result.rungs):
         held = sum(summary.state == "pass" for summary in rung.summaries)
         count = f"{held} of {len(rung.summaries)}" if rung.summaries else ""
-        state = f"[{colour[rung.state]}]{'holds' if rung.state == 'pass' else rung.state}[/]"
+        state = f"[{colours[rung.state]}]{'holds' if rung.state == 'pass' else rung.state}[/]"
         table.add_row(str(rung.level), rung.name, state, count)
     console.print(table)
     for summary in result.failures:
         failure = summary.failure
         assert failure is not None
-        held = "red" if summary.claim["held"] else "dim"
+        colour = "red" if summary.claim["held"] else "dim"
         console.print(
-            f"[{held}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
+            f"[{colour}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
             f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
         )
 
@@ -219,18 +230,16 @@ def explain(
         close = difflib.get_close_matches(claim, CLAIMS, n=3, cutoff=0.4)
         hint = f"did you mean {', '.join(close)}?" if close else "`isograde list claims`"
         stop(Exit.WRONG_USE, f"no claim {claim!r}; {hint}")
-    for index, one in enumerate(found):
-        if index:
-            console.print()
+    for one in found:
         _explain(one)
 
 
 def _explain(claim: Claim) -> None:
     """Print one claim."""
-    console.print(f"[bold]{claim.id}[/]\n{escape(claim.rule)}\n")
+    console.print(f"\n[bold]{claim.id}[/]\n{escape(claim.rule)}\n")
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     table.add_column(style="dim", no_wrap=True)
-    table.add_column()
+    table.add_column(overflow="fold")
     level = "beside the ladder"
     if claim.level is not None:
         level = f"{claim.level}, {LEVELS[claim.level][0]}: {LEVELS[claim.level][1]}"
@@ -283,7 +292,9 @@ def _list_fields(table: Table) -> None:
         if some and not full:
             runs = f"{len(cases) - some} always, {some} with --full"
         name = group if len(cases) == 1 else f"{group} ({len(cases)} cases)"
-        table.add_row(name, str(max(case.samples for case in cases)), f"{cases[0].isovalue:g}", runs)
+        table.add_row(
+            name, str(max(case.samples for case in cases)), f"{cases[0].isovalue:g}", runs
+        )
     for volume in volumes.REGISTRY.values():
         if volumes.find(volume) is None:
             told = f"absent; {volume.url or volume.source}"

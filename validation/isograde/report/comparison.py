@@ -37,7 +37,9 @@ def changes(before: Report, after: Report) -> list[Change]:
         if (broken | mended) & shared:
             states = before.summaries[claim].state, after.summaries[claim].state
             found.append(
-                Change(claim, *states, tuple(sorted(broken & shared)), tuple(sorted(mended & shared)))
+                Change(
+                    claim, *states, tuple(sorted(broken & shared)), tuple(sorted(mended & shared))
+                )
             )
     return sorted(found, key=lambda change: change.claim)
 
@@ -59,7 +61,7 @@ def claims_of(reports: Sequence[Report]) -> dict[str, dict[str, object]]:
         for name, summary in report.summaries.items():
             if summary.judged:
                 found.setdefault(name, summary.claim)
-    return dict(sorted(found.items(), key=lambda item: (_height(item[1]["level"]))))
+    return dict(sorted(found.items(), key=lambda item: _height(item[1]["level"])))
 
 
 def _height(level: object) -> int:
@@ -99,9 +101,13 @@ def comparison_page(
     `links` are the addresses of the implementations' own pages, empty where there is none; `absent`
     says why other implementations are missing.
     """
-    return environment().get_template("comparison.html").render(
-        reports=list(zip(reports, links, strict=True)),
-        claims=claims_of(reports),
-        mark=mark,
-        absent=absent or {},
+    return (
+        environment()
+        .get_template("comparison.html")
+        .render(
+            reports=list(zip(reports, links, strict=True)),
+            claims=claims_of(reports),
+            mark=mark,
+            absent=absent or {},
+        )
     )

@@ -20,7 +20,7 @@ from isoref.field import Booleans, Floats, Integers
 
 # Look along this direction, with axis 2 up: from the front, a little right of and above the middle.
 TURN, TILT = np.radians(-62.0), np.radians(24.0)
-SIZE, MARGIN = 360.0, 26.0
+SIZE, MARGIN = 360.0, 34.0
 # Leave samples and lattice out of fields larger than this.
 DETAILED = 400
 # Name the axes and show values up to this many samples.
@@ -41,6 +41,7 @@ class View:
 
     scale: float
     shift: Floats
+    height: float
 
     @classmethod
     def of(cls, shape: tuple[int, ...]) -> View:
@@ -49,7 +50,8 @@ class View:
         flat = corners @ _axes()[:2].T
         low, high = flat.min(axis=0), flat.max(axis=0)
         scale = float((SIZE - 2 * MARGIN) / (high - low).max())
-        return cls(scale, SIZE / 2 - scale * (low + high) / 2)
+        height = round(scale * float(high[1] - low[1]) + 2 * MARGIN)
+        return cls(scale, (SIZE / 2, height / 2) - scale * (low + high) / 2, height)
 
     def place(self, points: Any) -> tuple[Floats, Floats]:
         """Positions in the picture and depths of these points."""
@@ -86,7 +88,7 @@ def picture(
         parts += [*_triangles(view, points, faces), *_open_edges(view, points, faces, shape)]
     body = "\n".join(part.svg for part in sorted(parts, key=lambda part: part.depth))
     return (
-        f'<svg class="pic" viewBox="0 0 {SIZE:g} {SIZE:g}" role="img" '
+        f'<svg class="pic" viewBox="0 0 {SIZE:g} {view.height:g}" role="img" '
         f'aria-label="{escape(label)}"><title>{escape(label)}</title>\n{body}\n</svg>'
     )
 
@@ -101,21 +103,34 @@ def _lattice(view: View, shape: tuple[int, ...]) -> Iterator[Part]:
         offset = np.zeros(3, np.int64)
         offset[axis] = step[axis]
         for start in nodes[nodes[:, axis] + step[axis] < shape[axis]]:
-            yield _line(view, start, start + offset, "lat")
+            yield _line(view, start, start + offset, "lat", short=_radius(int(np.prod(shape))))
 
 
-def _line(view: View, start: Any, end: Any, kind: str, nearer: float = 0.0) -> Part:
-    """A segment."""
+def _radius(samples: int) -> float:
+    """The radius of a sample's disc; 0 where samples are not shown."""
+    if samples > DETAILED:
+        return 0.0
+    return 5.5 if samples <= LABELLED else 3.6
+
+
+def _line(
+    view: View, start: Any, end: Any, kind: str, *, nearer: float = 0.0, short: float = 0.0
+) -> Part:
+    """A segment, each end drawn back by `short`."""
     (a, b), depths = view.place([start, end])
+    length = float(np.linalg.norm(b - a))
+    if length > 2 * short > 0:
+        step = (b - a) * short / length
+        a, b = a + step, b - step
     svg = f'<line class="{kind}" x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}"/>'
     return Part(float(depths.mean()) + nearer, svg)
 
 
 def _samples(view: View, values: Floats, inside: Booleans) -> Iterator[Part]:
     """A disc for each sample; the value beside it where there are few."""
-    if values.size > DETAILED:
+    radius = _radius(values.size)
+    if not radius:
         return
-    radius = 5.5 if values.size <= LABELLED else 3.6
     for index in np.ndindex(*values.shape):
         (x, y), depth = view.place(index)
         kind = "in" if inside[index] else "out"

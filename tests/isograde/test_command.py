@@ -1,0 +1,189 @@
+"""The command says what it did, and leaves with the right status."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from isograde.claims import CLAIMS
+from isograde.command import app
+from isograde.doors import ready_made_names
+from isograde.report import record
+from typer.testing import CliRunner, Result
+
+
+def run(*arguments: str | Path) -> Result:
+    """The result of the command with these arguments."""
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def flawed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of the original marching cubes on a few pairs, in a folder."""
+    folder = tmp_path_factory.mktemp("flawed")
+    result = run("grade", "isoref:lorensen-cline", "--only", "pairs/02*", "--out", folder)
+    assert result.exit_code == 1, result.output
+    return folder
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of the asymptotic decider on the same pairs, in a folder."""
+    folder = tmp_path_factory.mktemp("sound")
+    result = run("grade", "isoref:asymptotic-decider", "--only", "pairs/02*", "--out", folder)
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+def test_the_hole_of_1987_is_found_and_the_smallest_case_is_two_cells(flawed: Path) -> None:
+    """Nielson & Hamann 1991, Figure 3: two cells that disagree on their common face."""
+    failure = record.read(flawed / "report.jsonl").summaries["topology.closed"].failure
+    assert failure is not None
+    assert failure.samples == 12
+    assert failure.numbers["boundary_edges"] == 4
+
+
+def test_every_format_is_written(flawed: Path) -> None:
+    names = {path.name for path in flawed.iterdir()}
+    expected = {".jsonl", ".html", ".md", ".junit.xml", ".svg"}
+    assert names == {f"report{ending}" for ending in expected}
+
+
+def test_only_the_formats_asked_for_are_written(tmp_path: Path) -> None:
+    options = ("--only", "pairs/0217", "--out", tmp_path, "--format", "md")
+    assert run("grade", "isoref:asymptotic-decider", *options).exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"report.jsonl", "report.md"}
+
+
+def test_diff_names_what_broke_and_what_was_mended(flawed: Path, sound: Path) -> None:
+    broke, mended = run("diff", sound, flawed), run("diff", flawed, sound)
+    assert (broke.exit_code, mended.exit_code) == (1, 0)
+    assert "topology.closed: pass → fail" in broke.output
+    assert "4 broke: pairs/0217" in broke.output
+    assert "4 mended: pairs/0217" in mended.output
+    same = run("diff", sound, sound)
+    assert same.exit_code == 0
+    assert "no case" in same.output
+
+
+def test_compare_lays_reports_side_by_side(flawed: Path, sound: Path, tmp_path: Path) -> None:
+    shown = run("compare", flawed, sound)
+    assert shown.exit_code == 0
+    row = next(line for line in shown.output.splitlines() if line.startswith("topology.closed"))
+    assert row.split() == ["topology.closed", "4", "of", "16", "pass"]
+    for name in ("table.md", "table.html"):
+        assert run("compare", flawed, sound, "-o", tmp_path / name).exit_code == 0
+        assert "isoref:lorensen-cline" in (tmp_path / name).read_text(encoding="utf-8")
+    assert run("compare", flawed, "-o", tmp_path / "table.pdf").exit_code == 2
+
+
+def test_a_report_that_was_cut_off_is_said_to_be(flawed: Path, tmp_path: Path) -> None:
+    lines = (flawed / "report.jsonl").read_text(encoding="utf-8").splitlines()
+    cut = tmp_path / "cut.jsonl"
+    cut.write_text("\n".join(lines[:-1]) + "\n", encoding="utf-8")
+    result = run("compare", cut)
+    assert result.exit_code == 0
+    assert "cut off" in result.output
+
+
+def test_a_file_that_is_no_report_is_refused(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.jsonl"
+    bad.write_text('{"kind": "header"}\n', encoding="utf-8")
+    result = run("compare", bad)
+    assert result.exit_code == 2
+    assert "bad.jsonl:1 is no header record" in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (("grade",), 2, "name one implementation, or --all"),
+        (("grade", "isoref:lorensen-cline", "--all"), 2, "name one implementation, or --all"),
+        (("grade", "skimage:levine"), 3, "did you mean skimage:lewiner"),
+        (("grade", "python:absent_module:f"), 3, "absent_module"),
+        (("grade", "isoref:lorensen-cline", "--only", "absent"), 4, "nothing matches absent"),
+        (("grade", "isoref:lorensen-cline", "--jobs", "0"), 2, "0 is not in the range"),
+        (("explain", "topology.closd"), 2, "did you mean topology.closed"),
+        (("list", "nonsense"), 2, "nonsense"),
+        (("extract", "absent.npy", "--isovalue", "1"), 2, "absent.npy is not a file"),
+        (("extract", "a.npy", "--isovalue", "1", "--method", "asymtotic"), 2, "did you mean"),
+        (("extract", "a.npy", "--isovalue", "1", "-o", "a.xyz"), 2, "ends in none of"),
+    ],
+)
+def test_wrong_use_is_told_with_its_status(
+    arguments: tuple[str, ...],
+    status: int,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run(*arguments)
+    assert result.exit_code == status
+    assert message in " ".join(result.output.split())
+    assert not list(tmp_path.rglob("*.jsonl"))
+
+
+@pytest.mark.parametrize("name", sorted(CLAIMS))
+def test_every_claim_is_explained(name: str) -> None:
+    result = run("explain", name)
+    assert result.exit_code == 0
+    told = "".join(result.output.split())
+    claim = CLAIMS[name]
+    assert "".join(claim.rule.split()) in told
+    assert "".join(claim.source.split()) in told
+
+
+def test_lists_name_everything() -> None:
+    claims, levels = run("list", "claims").output, run("list", "levels").output
+    assert all(name in claims for name in CLAIMS)
+    assert "trilinear" in levels
+    implementations = run("list", "implementations").output
+    assert all(name in implementations for name in ready_made_names())
+    fields = run("list", "fields").output
+    assert "pairs/* (4096 cases)" in fields
+    assert "real/hydrogen_atom" in fields
+
+
+def test_a_bare_call_shows_the_help() -> None:
+    result = run()
+    assert "Usage" in result.output
+    assert "grade" in result.output
+
+
+@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "glb", "npz"])
+def test_extract_writes_a_mesh_that_reads_back(ending: str, tmp_path: Path) -> None:
+    x, y, z = np.ogrid[-1:1:12j, -1:1:12j, -1:1:12j]
+    np.save(tmp_path / "ball.npy", 0.5 - (x * x + y * y + z * z))
+    out = tmp_path / f"ball.{ending}"
+    result = run("extract", tmp_path / "ball.npy", "--isovalue", "0", "-o", out)
+    assert result.exit_code == 0, result.output
+    if ending == "npz":
+        with np.load(out) as arrays:
+            mesh = trimesh.Trimesh(arrays["vertices"], arrays["faces"])
+    else:
+        mesh = trimesh.load_mesh(out)
+    assert mesh.is_watertight
+    assert mesh.volume > 0
+    assert {path.name for path in tmp_path.iterdir()} == {"ball.npy", out.name}
+
+
+def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> None:
+    """No bar and no escape codes where nobody watches."""
+    command = [sys.executable, "-m", "isograde.command", "grade", "isoref:asymptotic-decider"]
+    done = subprocess.run(
+        [*command, "--only", "cells/outside/0*", "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
+    assert "report.html" in done.stdout
+    last = (tmp_path / "report.jsonl").read_text(encoding="utf-8").splitlines()[-1]
+    assert json.loads(last)["cases"] == 100
