@@ -88,7 +88,7 @@ def stop(status: Exit, message: str) -> NoReturn:
 @app.command()
 def grade(
     implementation: Annotated[
-        str | None, typer.Argument(metavar="[IMPLEMENTATION]", help=GRADE_HELP)
+        str | None, typer.Argument(metavar="IMPLEMENTATION", help=GRADE_HELP)
     ] = None,
     everything: Annotated[
         bool, typer.Option("--all", help="Every ready-made implementation, and a comparison.")
