@@ -4,7 +4,16 @@ from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 
-from isograde.fields import analytic, cells, nielson_hamann, noise, pairs, ties, volumes
+from isograde.fields import (
+    analytic,
+    cells,
+    nielson_hamann,
+    noise,
+    pairs,
+    ties,
+    trilinear_cells,
+    volumes,
+)
 from isograde.model import Case
 
 FAMILIES: dict[str, ModuleType] = {
@@ -12,6 +21,7 @@ FAMILIES: dict[str, ModuleType] = {
     "pairs": pairs,
     "ties": ties,
     "noise": noise,
+    "trilinear": trilinear_cells,
     "analytic": analytic,
     "nielson-hamann": nielson_hamann,
     "real": volumes,

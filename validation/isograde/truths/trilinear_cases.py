@@ -372,13 +372,15 @@ def case_name(one: Topology) -> str:
     return f"{number}.{name}"
 
 
-CASE_NAMES: tuple[str, ...] = tuple(
-    sorted(
-        {case_name(one) for one in every_topology()},
-        key=lambda name: [int(part) for part in name.split(".")],
-    )
-)
-"""The names in order; 32, as 11 and 14 are mirror images but have two names."""
+@cache
+def every_case() -> tuple[str, ...]:
+    """The names in order; 32, as 11 and 14 are mirror images but have two names.
+
+    >>> every_case()[:6]
+    ('0', '1', '2', '3.1', '3.2', '4.1')
+    """
+    names = {case_name(one) for one in every_topology()}
+    return tuple(sorted(names, key=lambda name: [int(part) for part in name.split(".")]))
 
 
 def case_names(truths: Truths) -> NDArray[np.str_]:
