@@ -331,13 +331,13 @@ def tile(signs: int, decisions: int) -> Tile:
     """The triangles of the cell, with the point e0 where a polygon needs one.
 
     The polygons that need one are the octagons of 10B and 10D, the 9-gons of 7C, 13D and 13H and
-    the 12-gon of 13F; no cell has two of them. The paper adds a point in 13E as well, whose 12-gon
-    has triangulations of its own: no matter, since no values have its decisions.
+    the 12-gons of 13E and 13F; no cell has two of them. Triangulations of the 12-gon of 13E exist,
+    but each of them crosses itself.
     """
     triangles: list[Triangle] = []
     interior: list[Placement] = []
     for polygon in cycles(signs, decisions):
-        pieces = triangulate(polygon)
+        pieces = triangulate(polygon) if len(polygon) < 12 else None
         if pieces is None:
             pieces = fan(polygon, 12 + len(interior))
             interior.append(place(signs, decisions))
@@ -389,7 +389,7 @@ def saddle_point(g: Floats, f: int) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class OnDiagonal:
-    """The placement of 7C, 13D, 13F, 13H: where the body diagonal from corner v is crossed.
+    """The placement of 7C, 13D, 13E, 13F, 13H: where the body diagonal from corner v is crossed.
 
     e0 = (1 - u) v + u w, u = (alpha - F(v)) / (F(w) - F(v)), with w opposite to v.
     """
@@ -410,7 +410,8 @@ def diagonal(signs: int, separated: int) -> int:
 
     It joins an inside corner to an outside one, and of these diagonals it is the one whose ends
     are least cut off: most ambiguous faces are joined at its inside end or separated at its
-    outside end. In the paper's drawings that is v2 v8 for 7C, 13D, 13F and v3 v5 for 13H.
+    outside end. In the paper's drawings that is v2 v8 for 7C, 13D, 13E, 13F and v3 v5 for 13H;
+    13E has a second as good, v4 v6; the higher number of two then decides as the paper does.
     """
 
     def freedom(v: int) -> int:
@@ -420,7 +421,7 @@ def diagonal(signs: int, separated: int) -> int:
         joined = sum(high in FACE_CORNERS[f] and not separated >> f & 1 for f in faces)
         return joined + sum(low in FACE_CORNERS[f] and separated >> f & 1 for f in faces)
 
-    crossed = [v for v in range(4) if inside(signs, v) != inside(signs, 7 - v)]
+    crossed = [v for v in (3, 2, 1, 0) if inside(signs, v) != inside(signs, 7 - v)]
     return max(crossed, key=freedom)
 
 
