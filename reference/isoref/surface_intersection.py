@@ -48,6 +48,7 @@ import itertools
 from collections import defaultdict
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
@@ -197,10 +198,20 @@ class _Side:
     signs: Integers
 
     def name(self, edge: Integers) -> Integers:
-        """(P, 2) the two mesh vertices of edge `edge` of each triangle, ascending."""
-        corners = self.surface.mesh.simplices[self.triangles]
+        """(P, 2) the two ends of edge `edge` of each triangle, by name, ascending."""
         ends = np.stack([edge, (edge + 1) % 3], axis=1)
-        return np.sort(np.take_along_axis(corners, ends, axis=1), axis=1)
+        return np.sort(np.take_along_axis(self.corners, ends, axis=1), axis=1)
+
+    @cached_property
+    def corners(self) -> Integers:
+        """(P, 3) names of the corners; vertices at one place, on different edges, share one."""
+        used, inverse = np.unique(
+            self.surface.mesh.simplices[self.triangles].reshape(-1), return_inverse=True
+        )
+        # Adding zero makes negative zeros positive.
+        places = self.surface.mesh.vertices[used] + 0.0
+        _, names = np.unique(places, axis=0, return_inverse=True)
+        return np.asarray(names.reshape(-1)[inverse.reshape(-1)].reshape(-1, 3))
 
     def crossing(self, edge: Integers) -> tuple[Floats, Booleans]:
         """(P, 3) where the edge meets the plane of the other, and whether a corner stands there."""
