@@ -49,6 +49,19 @@ class Curve:
         return f"Curve({len(self.points)} points, {kind}, length {self.length:.6g})"
 
 
+def curves_through(points: Floats, closed: bool) -> list[Curve]:
+    """The curve through these points without repeated neighbours; none where one point is left.
+
+    >>> curves_through(np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0]]), closed=False)
+    [Curve(2 points, open, length 1)]
+    """
+    new = np.ones(len(points), bool)
+    new[1:] = (points[1:] != points[:-1]).any(axis=1)
+    if closed and (points[0] == points[-1]).all():
+        new[0] = False
+    return [Curve(points[new], closed)] if new.sum() > 1 else []
+
+
 def follow(successor: Integers) -> list[tuple[Integers, bool]]:
     """The chains and the cycles of a partial permutation, each item in exactly one of them.
 

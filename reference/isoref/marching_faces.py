@@ -52,7 +52,7 @@ from scipy.optimize import linear_sum_assignment
 
 from isoref import asymptotic_decider
 from isoref.cube import EDGE_OF
-from isoref.curves import Curve, check_pair, follow, real_and_imaginary
+from isoref.curves import Curve, check_pair, curves_through, follow, real_and_imaginary
 from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
 from isoref.sweep import least_inside
 
@@ -222,10 +222,15 @@ def intersection_curves(
 
     Parameters and errors are those of `marching_faces`. Each point lies on exactly one curve. A
     curve is closed, or its two ends lie on the border of the lattice; it runs along
-    ``grad psi_1 x grad psi_2``.
+    ``grad psi_1 x grad psi_2``. Where neighbours have the same position, one of them is left, and
+    a curve that is only one position is no curve.
     """
-    pair = Pair(first, second, isovalues, rule)
-    return join(marching_faces(first, second, isovalues, rule), pair)
+    points = marching_faces(first, second, isovalues, rule)
+    return [
+        curve
+        for chain, closed in join(points, Pair(first, second, isovalues, rule))
+        for curve in curves_through(points.positions[chain], closed)
+    ]
 
 
 def nodal_lines(psi: ArrayLike, spacing: ArrayLike | None = None) -> list[Curve]:
@@ -303,7 +308,7 @@ class Pair:
         return corner[:, None, :] + FACE_VERTICES[faces]
 
     def lines(self, side: int, vertices: Integers, faces: Integers) -> tuple[Floats, Integers]:
-        """Crossings (F, 4) and isolines (F, 2, 2) of one of the fields on these faces."""
+        """Values (F, 4), less the isovalue, and isolines (F, 2, 2) of one field on these faces."""
         field, isovalue = self.sides[side]
         d = _gather(field.values, vertices)
         c = (d >= isovalue) @ np.array([1, 2, 4, 8])
@@ -598,8 +603,8 @@ def _plain_points(pair: Pair, rows: list[tuple[Any, ...]]) -> FacePoints:
 # --- joining -------------------------------------------------------------------------------------
 
 
-def join(points: FacePoints, pair: Pair) -> list[Curve]:
-    """The points in order along their curves.
+def join(points: FacePoints, pair: Pair) -> list[tuple[Integers, bool]]:
+    """The points in order along their curves, by index, and whether each curve is closed.
 
     In a voxel with one point in and one point out there is nothing to choose. With more, only
     points on the same loop of either surface around the voxel are joined, and among those the
@@ -614,7 +619,7 @@ def join(points: FacePoints, pair: Pair) -> list[Curve]:
     out = np.flatnonzero(simple[leaves])
     successor[into[np.argsort(enters[into])]] = out[np.argsort(leaves[out])]
     _join_crowded(points, pair, used[count > 1], leaves, enters, successor)
-    return [Curve(points.positions[chain], closed) for chain, closed in follow(successor)]
+    return follow(successor)
 
 
 def _voxels_beside(points: FacePoints) -> tuple[Integers, Integers]:

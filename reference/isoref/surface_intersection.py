@@ -53,7 +53,7 @@ from functools import cached_property
 import numpy as np
 
 from isoref import asymptotic_decider
-from isoref.curves import Curve, check_pair, follow
+from isoref.curves import Curve, check_pair, curves_through, follow
 from isoref.field import Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule
@@ -218,14 +218,15 @@ class _Side:
         ends = _edge(self.own, edge)
         normal = np.cross(self.other[:, 1] - self.other[:, 0], self.other[:, 2] - self.other[:, 0])
         level = np.take_along_axis(self.signs, np.stack([edge, (edge + 1) % 3], axis=1), axis=1)
-        height = np.einsum("pij,pj->pi", ends - self.other[:, :1], normal) * (level != 0)
+        height = np.einsum("pij,pj->pi", ends - self.other[:, :1], normal)
         # Start from the nearer end, so that an end exactly in the plane is met exactly.
-        near = np.abs(height).argmin(axis=1)
+        near = np.where(level == 0, -1.0, np.abs(height)).argmin(axis=1)
         rows = np.arange(len(near))
-        low, high = height[rows, near], height[rows, 1 - near]
+        in_plane = level[rows, near] == 0
+        low, high = np.where(in_plane, 0, height[rows, near]), height[rows, 1 - near]
         t = np.divide(low, low - high, out=np.zeros_like(low), where=low != high)
         p, q = ends[rows, near], ends[rows, 1 - near]
-        return p + np.clip(t, 0, 1)[:, None] * (q - p), low == 0
+        return p + np.clip(t, 0, 1)[:, None] * (q - p), in_plane
 
 
 def _nodes(
@@ -414,11 +415,12 @@ def join_segments(segments: Segments) -> list[Curve]:
     successor = np.full(len(crossing), -1)
     for names in (segments.nodes, places):
         _link(names[crossing], successor)
-    return [
-        curve
-        for chain, closed in follow(successor)
-        for curve in _curve(ends[crossing[chain]], closed)
-    ]
+    found = []
+    for chain, closed in follow(successor):
+        starts, stops = ends[crossing[chain]].transpose(1, 0, 2)
+        points = starts if closed else np.concatenate([starts, stops[-1:]])
+        found += curves_through(points, closed)
+    return found
 
 
 def _run_both_ways(places: Integers) -> Booleans:
@@ -440,16 +442,6 @@ def _link(nodes: Integers, successor: Integers) -> None:
         candidates = waiting[int(nodes[segment, 1])]
         if candidates:
             successor[segment] = candidates.pop(0)
-
-
-def _curve(ends: Floats, closed: bool) -> list[Curve]:
-    """The curve through consecutive segments (n, 2, 3), repeated points left out; [] if a point."""
-    points = ends[:, 0] if closed else np.concatenate([ends[:, 0], ends[-1:, 1]])
-    new = np.ones(len(points), bool)
-    new[1:] = (points[1:] != points[:-1]).any(axis=1)
-    if closed and (points[0] == points[-1]).all():
-        new[0] = False
-    return [Curve(points[new], closed)] if new.sum() > 1 else []
 
 
 # --- joining by distance (section 5) -------------------------------------------------------------

@@ -12,10 +12,12 @@ from isoref.marching_faces import (
     LINES,
     FacePoints,
     FaceRule,
+    Pair,
     face_check,
     gradients,
     intersection_curves,
     isolines,
+    join,
     marching_faces,
     nodal_lines,
     plain_marching_faces,
@@ -178,9 +180,9 @@ class TestClosure:
         """As many points enter a voxel as leave it, ties and touching surfaces included."""
         a, b = (Field.of(part) for part in np.array(numbers).reshape(2, 4, 3, 4))
         points = marching_faces(a, b, (0.0, isovalue), rule)
-        curves = intersection_curves(a, b, (0.0, isovalue), rule)
-        assert sum(len(curve.points) for curve in curves) == len(points)
-        assert ends_on_border(curves, a)
+        chains = join(points, Pair(a, b, (0.0, isovalue), rule))
+        assert sorted(i for chain, _ in chains for i in chain.tolist()) == list(range(len(points)))
+        assert ends_on_border([Curve(points.positions[c], closed) for c, closed in chains], a)
 
     def test_noise_closes_too(self) -> None:
         """Crowded voxels: up to several points in and out."""

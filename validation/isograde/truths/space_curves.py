@@ -7,7 +7,7 @@ computed from polylines, the first in two unrelated ways.
 Glossary
 --------
 u, v        coordinates of the three-sphere, ``|u|^2 + |v|^2 = 1``, by stereographic projection
-M           bound of the second derivatives of each function near its zero set
+M           the largest second derivatives of a function near a curve
 link        linking number of two closed curves: how often one winds through the other
 determinant |Alexander polynomial at -1| of a knot: 1 for the unknot, 3 for the trefoil
 
@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,8 @@ from numpy.typing import NDArray
 Points = NDArray[np.float64]
 Function = Callable[[Points, Points, Points], Points]
 
-# Points of a known curve; its polyline is then closer than 1e-5 of its size.
-DENSE = 2000
+# Points of a known curve; its polyline is then closer than 1e-5 of its radius.
+DENSE = 1000
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,7 @@ class KnownCurves:
     first, second : functions of (x, y, z), 0 on the surfaces
     half : the cube is ``[-half, half]^3``
     curves : dense polylines (N, 3); a closed one repeats its first point
-    bend : bounds M of the second derivatives of the two functions in the cells near the curves
-    slope : the least |sin| times |gradient| of either function along the curves; 0 where the
-        surfaces touch, and then curves may be joined in several ways
+    transversal : False where the surfaces touch; curves may then be joined in several ways
     links : linking numbers of the pairs of closed curves, without sign, in ascending order
     determinants : of the closed curves, ascending
     """
@@ -58,7 +57,6 @@ class KnownCurves:
     second: Function
     half: float
     curves: tuple[Points, ...]
-    bend: tuple[float, float]
     transversal: bool = True
     links: tuple[int, ...] = ()
     determinants: tuple[int, ...] = ()
@@ -73,11 +71,39 @@ class KnownCurves:
         """Total length."""
         return sum(length(curve) for curve in self.curves)
 
-    def sample(self, n: int) -> tuple[Points, Points, float]:
-        """Both functions on n samples a side over the cube, and the spacing."""
-        axis = np.linspace(-self.half, self.half, n)
-        grid = np.meshgrid(axis, axis, axis, indexing="ij")
-        return self.first(*grid), self.second(*grid), 2 * self.half / (n - 1)
+    def sample(self, shape: tuple[int, int, int]) -> tuple[Points, Points, Points]:
+        """Both functions on so many samples along each axis of the cube, and the spacing (3,)."""
+        axes = [np.linspace(-self.half, self.half, n) for n in shape]
+        grid = np.meshgrid(*axes, indexing="ij")
+        spacing = 2 * self.half / (np.array(shape) - 1.0)
+        return self.first(*grid), self.second(*grid), spacing
+
+    def bend(self, reach: float) -> tuple[float, float]:
+        """M of the two functions: the largest second derivatives within `reach` of the curves.
+
+        The Frobenius norm of the Hessian by second differences, at points of the curves shifted
+        by `reach` in every diagonal direction.
+        """
+        points = np.concatenate([curve[:: max(len(curve) // 60, 1)] for curve in self.curves])
+        shifts = reach * np.array(
+            [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
+        )
+        around = (points[:, None] + shifts).reshape(-1, 3)
+        return _hessian_norm(self.first, around), _hessian_norm(self.second, around)
+
+
+def _hessian_norm(function: Function, points: Points, step: float = 1e-3) -> float:
+    """The largest Frobenius norm of the Hessian at these points, by central differences."""
+    unit = step * np.eye(3)
+    square = np.zeros(len(points))
+    for i in range(3):
+        for j in range(3):
+            corners = [
+                a * b * function(*(points + a * unit[i] + b * unit[j]).T)
+                for a, b in product((1, -1), repeat=2)
+            ]
+            square += (np.sum(corners, axis=0) / (4 * step**2)) ** 2
+    return float(np.sqrt(square.max()))
 
 
 def is_closed(curve: Points) -> bool:
@@ -95,13 +121,15 @@ def length(curve: Points) -> float:
 
 def _loop(*coordinates: Points) -> Points:
     """The closed polyline through these coordinates, the first point repeated exactly."""
-    points = np.stack(np.broadcast_arrays(*coordinates), axis=1)
+    points = np.empty((DENSE, 3), np.float64)
+    for axis, values in enumerate(coordinates):
+        points[:, axis] = values
     return np.concatenate([points, points[:1]])
 
 
 def _angles() -> Points:
     """`DENSE` angles once around."""
-    return np.arange(DENSE) * (2 * np.pi / DENSE)
+    return np.linspace(0, 2 * np.pi, DENSE, endpoint=False)
 
 
 def two_spheres() -> KnownCurves:
@@ -111,7 +139,7 @@ def two_spheres() -> KnownCurves:
     def sphere(side: float) -> Function:
         def value(x: Points, y: Points, z: Points) -> Points:
             dx, dy, dz = x - centre[0] - side * shift, y - centre[1], z - centre[2]
-            return 1 - dx**2 - dy**2 - dz**2
+            return np.asarray(1 - dx**2 - dy**2 - dz**2)
 
         return value
 
@@ -119,9 +147,7 @@ def two_spheres() -> KnownCurves:
     circle = _loop(
         np.array(centre[0]), centre[1] + radius * np.cos(t), centre[2] + radius * np.sin(t)
     )
-    return KnownCurves(
-        "two-spheres", sphere(-1), sphere(1), 1.5, (circle,), (2, 2), determinants=(1,)
-    )
+    return KnownCurves("two-spheres", sphere(-1), sphere(1), 1.5, (circle,), determinants=(1,))
 
 
 def two_cylinders() -> KnownCurves:
@@ -138,7 +164,6 @@ def two_cylinders() -> KnownCurves:
         lambda x, y, z: wide**2 - (y - y0) ** 2 - (z - z0) ** 2 + 0 * x,
         1.4,
         curves,
-        (2, 2),
         links=(0,),
         determinants=(1, 1),
     )
@@ -161,9 +186,7 @@ def villarceau() -> KnownCurves:
     t = _angles()
     # In the plane, with axes y and (cosine, 0, sine): circles of radius R about y = -r and r.
     curves = tuple(
-        _loop(
-            cosine * big * np.sin(t), side * small + big * np.cos(t), sine * big * np.sin(t)
-        )
+        _loop(cosine * big * np.sin(t), side * small + big * np.cos(t), sine * big * np.sin(t))
         for side in (-1, 1)
     )
     return KnownCurves(
@@ -172,7 +195,6 @@ def villarceau() -> KnownCurves:
         lambda x, y, z: cosine * z - sine * x + 0 * y,
         1.7,
         curves,
-        (30, 0),
         transversal=False,
     )
 
@@ -190,7 +212,7 @@ def hydrogen_ring() -> KnownCurves:
     t, height = _angles(), 0.02
     radius = np.sqrt(4 - height**2)
     ring = _loop(radius * np.cos(t), radius * np.sin(t), np.array(height))
-    return KnownCurves("hydrogen-ring", real, imaginary, 3.0, (ring,), (1, 1), determinants=(1,))
+    return KnownCurves("hydrogen-ring", real, imaginary, 3.0, (ring,), determinants=(1,))
 
 
 def hydrogen_axis() -> KnownCurves:
@@ -215,7 +237,6 @@ def hydrogen_axis() -> KnownCurves:
         lambda x, y, z: wave(x, y, z).imag,
         1.6,
         (ring, axis),
-        (6, 6),
         determinants=(1,),
     )
 
@@ -249,7 +270,6 @@ def _torus_link(name: str, n: int, half: float, links: tuple[int, ...], knot: in
         lambda x, y, z: wave(x, y, z).imag,
         half,
         tuple(curves),
-        (60, 60),
         links=links,
         determinants=(knot,) * len(curves),
     )
@@ -304,7 +324,7 @@ def linking_by_area(one: Points, two: Points) -> float:
     """
     a, b = one[:-1, None], one[1:, None]
     c, d = two[None, :-1], two[None, 1:]
-    area = _triangle_area(c - a, d - a, d - b) + _triangle_area(c - a, d - b, c - b)
+    area = _triangle_area(c - a, d - b, d - a) + _triangle_area(c - a, c - b, d - b)
     return float(area.sum() / (4 * np.pi))
 
 
@@ -313,7 +333,9 @@ def _triangle_area(u: Points, v: Points, w: Points) -> Points:
     lu, lv, lw = (np.linalg.norm(x, axis=-1) for x in (u, v, w))
     top = np.einsum("...i,...i->...", u, np.cross(v, w))
     dots = [np.einsum("...i,...i->...", p, q) for p, q in ((u, v), (v, w), (w, u))]
-    return np.asarray(2 * np.arctan2(top, lu * lv * lw + dots[0] * lw + dots[1] * lu + dots[2] * lv))
+    return np.asarray(
+        2 * np.arctan2(top, lu * lv * lw + dots[0] * lw + dots[1] * lu + dots[2] * lv)
+    )
 
 
 def linking_by_crossings(one: Points, two: Points) -> float:
@@ -340,7 +362,9 @@ def crossings(one: Points, two: Points) -> list[tuple[float, float, bool, int]]:
     found = []
     for i, j in np.argwhere((s >= 0) & (s < 1) & (t >= 0) & (t < 1)).tolist():
         above = p[i, 2] + s[i, j] * da[i, 0, 2] > q[j, 2] + t[i, j] * db[0, j, 2]
-        found.append((i + s[i, j], j + t[i, j], bool(above), int(np.sign(det[i, j]) * (2 * above - 1))))
+        found.append(
+            (i + s[i, j], j + t[i, j], bool(above), int(np.sign(det[i, j]) * (2 * above - 1)))
+        )
     return found
 
 
@@ -348,9 +372,7 @@ def linking_numbers(curves: Sequence[Points]) -> list[int]:
     """Linking numbers of all pairs of the closed curves, without sign, ascending."""
     loops = [curve for curve in curves if is_closed(curve)]
     return sorted(
-        abs(round(linking_by_area(loops[i], loops[j])))
-        for i in range(len(loops))
-        for j in range(i)
+        abs(round(linking_by_area(loops[i], loops[j]))) for i in range(len(loops)) for j in range(i)
     )
 
 
@@ -378,7 +400,7 @@ def knot_determinant(curve: Points) -> int:
             ((into + 1) % len(met), -1),
         ):
             rows[row, arc] += weight
-    return abs(round(np.linalg.det(rows[1:, 1:])))
+    return abs(round(float(np.linalg.det(rows[1:, 1:]))))
 
 
 def _adjacent(s: float, t: float, n: int) -> bool:
@@ -390,10 +412,11 @@ def _adjacent(s: float, t: float, n: int) -> bool:
 
 
 def distances(points: Points, curves: Sequence[Points]) -> Points:
-    """The distance of each point (N, 3) to the nearest of some polylines."""
+    """The distance of each point (N, 3) to the nearest of some polylines, segments included."""
     nearest = np.full(len(points), np.inf)
     for curve in curves:
-        a, d = curve[:-1], np.diff(curve, axis=0)
+        a = curve[:-1] if len(curve) > 1 else curve
+        d = np.diff(curve, axis=0) if len(curve) > 1 else np.zeros_like(curve)
         square = np.maximum((d**2).sum(axis=1), 1e-300)
         for start in range(0, len(points), 500):
             p = points[start : start + 500, None]

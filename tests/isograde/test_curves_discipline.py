@@ -1,0 +1,202 @@
+"""The discipline of curves: right answers pass, and each claim has a fault that it catches."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.disciplines import curves as discipline
+from isograde.disciplines.curves import CLAIMS, COARSE, Extract, cases, grade, known_curves
+from isograde.doors import open_door
+from isograde.doors.conventions import to_house
+from isograde.model import Conventions, Declaration, Finding, Limits, Outcome, Request, Status
+from isograde.truths.space_curves import Points, is_closed
+from isoref.field import Field
+
+Change = Callable[[list[Points]], list[Points]]
+
+
+class Here:
+    """A door without a process, for functions that the tests trust not to crash."""
+
+    def __init__(self, function: Extract):
+        self.function = discipline.through_door(function)
+
+    def open(self, limits: Limits) -> Declaration:
+        """Nothing to start."""
+        return Declaration("here", discipline="curves")
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome of one call."""
+        try:
+            answer = self.function(
+                np.asarray(request.field.values), request.isovalue, request.field.spacing
+            )
+        except Exception as error:  # noqa: BLE001 - as a door would
+            return Outcome(Status.RAISED, detail=str(error))
+        return to_house(Outcome(Status.OK, *answer), request, Conventions())
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+def graded(function: Extract, only: tuple[str, ...] = ()) -> dict[tuple[str, str], Finding]:
+    """Every finding on this function, by case and claim; on some cases only, by their names."""
+    asked = [case for case in cases() if not only or case.id.removeprefix("curves/") in only]
+    declaration = Declaration("here", discipline="curves")
+    findings = grade(Here(function), declaration, asked)
+    return {(case, claim): finding for case, claim, finding in findings}
+
+
+def faults(function: Extract, only: tuple[str, ...] = ()) -> dict[str, set[str]]:
+    """The claims that fail, each with the cases it fails on."""
+    found: dict[str, set[str]] = {}
+    for (case, claim), finding in graded(function, only).items():
+        if finding.verdict != "pass":
+            found.setdefault(claim.removeprefix("curves."), set()).add(case)
+    return found
+
+
+reference = discipline._reference("marching_faces")
+
+
+def changed(change: Change) -> Extract:
+    """The reference with its answer changed."""
+
+    def extract_curves(a: Any, b: Any, *rest: Any) -> list[Points]:
+        return change([np.array(curve) for curve in reference(a, b, *rest)])
+
+    return extract_curves
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["curves:marching-faces", "curves:surface-intersection"])
+def test_the_reference_passes_everything_through_a_real_door(name: str) -> None:
+    """Both methods of the paper, each in a process of its own."""
+    door = open_door(discipline.READY_MADE[name])
+    declaration = door.open(Limits())
+    try:
+        assert declaration.discipline == "curves"
+        findings = list(grade(door, declaration, cases()))
+    finally:
+        door.close()
+    assert {claim for _, claim, _ in findings} == {claim.id for claim in CLAIMS}
+    assert [f for f in findings if f[2].verdict != "pass"] == []
+
+
+def test_vtk_is_graded_as_a_peer() -> None:
+    """Contour, contour again, strip: right on smooth curves, broken strips on many."""
+    pytest.importorskip("vtkmodules.vtkFiltersCore")
+    found = faults(discipline.vtk_contour_twice)
+    smooth = {"two-spheres", "two-cylinders", "hopf-link", "trefoil"}
+    kinds = ("count", "linking", "covers", "on-surfaces")
+    broken = {case for name in kinds for case in found.get(name, ())}
+    assert not {f"curves/{name}" for name in smooth} & broken
+    assert "well-formed" not in found
+
+
+QUICK = ("two-spheres", "two-cylinders", "noise", "apart", "identical")
+FAULTS: dict[str, tuple[Change, set[str]]] = {
+    "a single point as a curve": (
+        lambda curves: [*curves, np.array([[0.1, 0.2, 0.3]])] if curves else curves,
+        {"well-formed"},
+    ),
+    "a curve where there is none": (
+        lambda curves: curves or [np.array([[0, 0.1, 0.1], [0, 0.2, 0.2]])],
+        {"nothing"},
+    ),
+    "the last segment of a closed curve left out": (
+        lambda curves: [curve[:-1] if is_closed(curve) else curve for curve in curves],
+        {"whole", "count", "linking"},
+    ),
+    "a curve in two halves": (
+        lambda curves: [half for c in curves for half in (c[: len(c) // 2 + 1], c[len(c) // 2 :])],
+        {"whole", "no-point-twice", "count", "linking"},
+    ),
+    "points repeated": (
+        lambda curves: [np.repeat(curve, 2, axis=0) for curve in curves],
+        {"no-point-twice"},
+    ),
+    "one curve left out": (
+        lambda curves: curves[1:],
+        {"count", "linking", "covers", "converges"},
+    ),
+    "every curve reported twice": (
+        lambda curves: curves + curves,
+        {"no-point-twice", "count", "linking"},
+    ),
+    "rounded to half a cell": (
+        lambda curves: [np.round(curve * 8) / 8 for curve in curves],
+        {"on-surfaces", "converges", "no-point-twice"},
+    ),
+    "half a cell astray": (
+        lambda curves: [curve + np.array([0, 0, 0.06]) for curve in curves],
+        {"on-surfaces", "converges"},
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_is_caught_by_its_claims(fault: str) -> None:
+    """A broken implementation for every claim about the answer itself."""
+    change, expected = FAULTS[fault]
+    assert expected <= set(faults(changed(change), QUICK))
+
+
+@pytest.mark.slow
+def test_between_them_the_faults_cover_every_claim() -> None:
+    """`swapped` has its own test below."""
+    caught = {claim for _, claims in FAULTS.values() for claim in claims} | {"swapped"}
+    assert {f"curves.{name}" for name in caught} == {claim.id for claim in CLAIMS}
+
+
+@pytest.mark.slow
+def test_an_answer_that_depends_on_the_order_of_the_fields_is_caught() -> None:
+    """Separated for one order, joined for the other: legal each time, not the same."""
+
+    def extract_curves(a: Any, b: Any, one: float, two: float, spacing: Any) -> list[Points]:
+        from isoref.marching_faces import intersection_curves
+
+        rule = "separated" if a.flat[0] > b.flat[0] else "joined"
+        pair = Field.of(a, spacing), Field.of(b, spacing)
+        return [c.polyline for c in intersection_curves(*pair, (one, two), rule)]  # type: ignore[arg-type]
+
+    found = faults(extract_curves, QUICK)
+    assert "curves/noise" in found["swapped"]
+    assert set(found) == {"swapped"}
+
+
+def test_an_error_and_an_answer_of_the_wrong_shape_are_told_apart_from_failures() -> None:
+    """An exception is an error; arrays of pairs are refused with their shape."""
+
+    def raises(*_: Any) -> list[Points]:
+        raise RuntimeError("no licence")
+
+    def flat(*_: Any) -> list[Points]:
+        return [np.zeros((3, 2))]
+
+    case, field = cases()[0], cases()[0].build()
+    for function, word in ((raises, "no licence"), (flat, "(3, 2)")):
+        outcome = Here(function).run(Request(case.id, "plain", field, 0.0))
+        assert discipline.polylines(outcome) is None
+        assert word in outcome.detail
+    found = {finding.verdict for finding in graded(raises, QUICK).values()}
+    assert found == {"error"}
+
+
+def test_cases_are_deterministic_and_on_one_lattice() -> None:
+    """The same seed gives the same numbers; another one does not."""
+    for one, two in zip(cases(), cases(), strict=True):
+        np.testing.assert_array_equal(one.build().values, two.build().values)
+        assert one.build().components == 2
+    assert (cases(1)[-5].build().values != cases(0)[-5].build().values).any()
+    assert {case.id for case in cases()} >= set(known_curves())
+    assert known_curves()["curves/trefoil"].sample(COARSE)[0].shape == COARSE
+
+
+def test_two_isovalues_are_told_apart() -> None:
+    """Called directly, the two isovalues go to their own fields."""
+    x, y, _ = np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij")
+    (line,) = reference(x, y, 1.5, 2.25, (1.0, 1.0, 1.0))
+    np.testing.assert_allclose(line[:, :2], [[1.5, 2.25]] * 5)

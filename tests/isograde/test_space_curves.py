@@ -1,0 +1,134 @@
+"""Known curves: zero on both functions, and linked and knotted as their names say."""
+
+import numpy as np
+import pytest
+from isograde.truths.space_curves import (
+    KNOWN,
+    KnownCurves,
+    Points,
+    distances,
+    hopf_link,
+    is_closed,
+    knot_determinant,
+    length,
+    linking_by_area,
+    linking_by_crossings,
+    linking_numbers,
+    trefoil,
+)
+
+ALL = [make() for make in KNOWN]
+NAMES = [known.name for known in ALL]
+
+
+def thinned(curve: Points, step: int = 8) -> Points:
+    """Every so many points of a closed curve."""
+    return np.asarray(np.concatenate([curve[:-1:step], curve[:1]]), np.float64)
+
+
+def circle(radius: float, centre: tuple[float, float, float], turn: bool, n: int = 60) -> Points:
+    """A closed polygon in the plane of x, y, or of x, z where `turn`."""
+    t = np.linspace(0, 2 * np.pi, n + 1)
+    flat = radius * np.stack([np.cos(t), np.sin(t), 0 * t], axis=1)
+    flat[-1] = flat[0]
+    return np.asarray((flat[:, [0, 2, 1]] if turn else flat) + np.array(centre))
+
+
+@pytest.mark.parametrize("known", ALL, ids=NAMES)
+def test_both_functions_vanish_on_the_curves(known: KnownCurves) -> None:
+    """The parametrisation and the functions are written down independently."""
+    for curve in known.curves:
+        assert np.abs(known.first(*curve.T)).max() < 1e-12
+        assert np.abs(known.second(*curve.T)).max() < 1e-12
+        assert np.abs(curve).max() <= known.half
+
+
+@pytest.mark.parametrize("known", ALL, ids=NAMES)
+def test_nothing_else_in_the_cube_is_zero(known: KnownCurves) -> None:
+    """Newton's iteration from a grid of starts ends on the curves, wherever it converges."""
+    axis = np.linspace(-0.97, 0.97, 9) * known.half
+    p = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    for _ in range(60):
+        p = p + np.clip(_newton_step(known, p), -0.2, 0.2)
+    inside = np.abs(p).max(axis=1) <= known.half
+    small = np.abs(known.first(*p.T)) + np.abs(known.second(*p.T)) < 1e-12
+    found = p[inside & small]
+    assert len(found) > 100
+    # Where surfaces touch, a small value does not mean a small distance.
+    assert distances(found, known.curves).max() < (5e-4 if known.transversal else 1e-2)
+
+
+def _newton_step(known: KnownCurves, p: Points) -> Points:
+    """The least step to the zero of both linearised functions, at each point."""
+    e = 1e-6 * np.eye(3)
+    values = np.stack([known.first(*p.T), known.second(*p.T)], axis=1)
+    jacobian = np.stack(
+        [[(f(*(p + d).T) - f(*(p - d).T)) / 2e-6 for d in e] for f in (known.first, known.second)]
+    )
+    inverse = np.linalg.pinv(jacobian.transpose(2, 0, 1), 1e-8)
+    return np.asarray(-np.einsum("pij,pj->pi", inverse, values))
+
+
+@pytest.mark.parametrize("known", ALL, ids=NAMES)
+def test_links_and_knots_are_those_stated(known: KnownCurves) -> None:
+    """From the dense polylines, thinned."""
+    loops = [thinned(curve) for curve in known.curves if is_closed(curve)]
+    if known.transversal:
+        assert linking_numbers(loops) == list(known.links)
+        assert sorted(knot_determinant(loop) for loop in loops) == list(known.determinants)
+
+
+def test_linking_numbers_agree_two_ways() -> None:
+    """The solid-angle sum and the signed crossings of a projection, orientation included."""
+    apart = circle(1, (0, 0, 0), False), circle(1, (5, 0, 0.1), True)
+    linked = circle(1, (0, 0, 0), False), circle(1, (1, 0.05, 0.02), True)
+    hopf = tuple(thinned(curve) for curve in hopf_link().curves)
+    for (one, two), expected in ((apart, 0), (linked, 1), (hopf, 1)):
+        area, crossed = linking_by_area(one, two), linking_by_crossings(one, two)
+        assert area == pytest.approx(crossed, abs=1e-9)
+        assert abs(area) == pytest.approx(expected, abs=1e-9)
+        assert linking_by_area(one[::-1], two) == pytest.approx(-area, abs=1e-9)
+
+
+def test_a_curve_wound_three_times_around_has_linking_number_three() -> None:
+    """A coil on a torus, around the torus's core and through it."""
+    t = np.linspace(0, 2 * np.pi, 400)
+    coil = np.stack(
+        [
+            (2 + 0.5 * np.cos(3 * t)) * np.cos(t),
+            (2 + 0.5 * np.cos(3 * t)) * np.sin(t),
+            0.5 * np.sin(3 * t),
+        ],
+        axis=1,
+    )
+    coil[-1] = coil[0]
+    assert abs(linking_by_area(coil, circle(2, (0, 0, 0), False))) == pytest.approx(3, abs=1e-9)
+    assert linking_numbers([coil, circle(2, (0, 0, 0), False)]) == [3]
+    assert knot_determinant(coil) == 1
+
+
+@pytest.mark.parametrize(("p", "q", "determinant"), [(2, 3, 3), (2, 5, 5), (3, 4, 3), (2, 7, 7)])
+def test_determinants_of_torus_knots(p: int, q: int, determinant: int) -> None:
+    """Of the (2, q) torus knot q; of (3, 4), the knot 8_19, three."""
+    t = np.linspace(0, 2 * np.pi, 500)
+    r = 2 + 0.7 * np.cos(q * t)
+    knot = np.stack([r * np.cos(p * t), r * np.sin(p * t), 0.7 * np.sin(q * t)], axis=1)
+    knot[-1] = knot[0]
+    assert knot_determinant(knot) == determinant
+
+
+def test_the_figure_eight_knot_has_determinant_five() -> None:
+    """A knot that is on no torus."""
+    t = np.linspace(0, 2 * np.pi, 400)
+    r = 2 + np.cos(2 * t)
+    knot = np.stack([r * np.cos(3 * t), r * np.sin(3 * t), np.sin(4 * t)], axis=1)
+    knot[-1] = knot[0]
+    assert knot_determinant(knot) == 5
+
+
+def test_distances_are_to_segments_not_to_points() -> None:
+    """The middle of a long segment is near it; lengths add up."""
+    line = np.array([[0.0, 0, 0], [10, 0, 0]])
+    np.testing.assert_allclose(distances(np.array([[5.0, 0.5, 0], [12, 0, 0]]), [line]), [0.5, 2])
+    assert length(line) == 10
+    assert trefoil().length == pytest.approx(20.6427, abs=1e-3)
