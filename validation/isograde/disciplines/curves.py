@@ -30,7 +30,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
@@ -520,11 +520,12 @@ def pose(variant: str, case: Case, field: Field) -> Field:
     return field
 
 
-def grade(
-    door: Door, declaration: Declaration, seed: int = 0
-) -> Iterator[tuple[str, str, Finding]]:
-    """(case, claim, finding) of everything the discipline asks of an open door."""
-    for case in cases(seed):
+Graded = tuple[str, str, Finding]
+
+
+def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterator[Graded]:
+    """(case, claim, finding) of everything that is asked about these cases of an open door."""
+    for case in asked:
         field = case.build()
         outcomes: dict[str, Outcome] = {}
         trial = Trial(case, field, declaration, outcomes)
