@@ -75,6 +75,21 @@ class DirectoryDoor:
         """The number of fields that have a mesh."""
         return sum(bool(_answers(self._folder / e["values"])) for e in self._entries.values())
 
+    def exported(self) -> int:
+        """The number of fields."""
+        return len(self._entries)
+
+    def unreadable(self) -> list[tuple[str, str]]:
+        """(file, reason) for each answer that cannot be read."""
+        reasons = []
+        for entry in self._entries.values():
+            for path in _answers(self._folder / entry["values"]):
+                try:
+                    self._read(path)
+                except AnswerError as error:
+                    reasons.append((str(path.relative_to(self._folder)), str(error)))
+        return reasons
+
     def run(self, request: Request) -> Outcome:
         """The mesh that was found for the request, in the house's conventions."""
         conventions = self.declaration.conventions
