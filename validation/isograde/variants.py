@@ -29,7 +29,7 @@ class Variant:
     name : as claims and reports name it
     meaning : what is changed, for a reader
     pose : the changed field and isovalue, or None where the values do not allow it
-    back : index coordinates of the plain field for those of the changed one
+    back : index coordinates of the plain field, given those of the changed one and the plain field
     reflects : it exchanges left and right, so that faces must be turned over on the way back
     """
 

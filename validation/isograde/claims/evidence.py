@@ -85,16 +85,26 @@ def surface_of(trial: Trial) -> Surface:
 
 
 def judged_surface(trial: Trial) -> Surface:
-    """The surface as given; where it is open there and ties could be why, welded exactly."""
+    """The surface as given; where it is open there and ties could be why, welded."""
 
     def compute() -> Surface:
         surface = surface_of(trial)
         loose = off_border(trial, surface.open_edges)
-        if len(loose) and lattice_of(trial).tied.any():
-            return surface.welded()
-        return surface
+        return welded(trial) if len(loose) and lattice_of(trial).tied.any() else surface
 
     return remembered(trial, "judged surface", compute)
+
+
+def welded(trial: Trial) -> Surface:
+    """The surface, vertices at a tied sample or of exactly equal coordinates made one."""
+
+    def compute() -> Surface:
+        surface = surface_of(trial)
+        at_tie = lattice_of(trial).at_tie(surface.points)[:, None]
+        points = np.where(at_tie, np.rint(surface.points), surface.points)
+        return Surface(points, surface.faces).welded()
+
+    return remembered(trial, "welded", compute)
 
 
 def steps_of(trial: Trial) -> Steps:

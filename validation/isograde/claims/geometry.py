@@ -7,6 +7,7 @@ the tolerance (see `isograde.truths.lattice`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
@@ -82,7 +83,9 @@ def on_edges(trial: Trial) -> Finding:
     if len(inner):
         signs = signs_of(lattice)[tuple(np.floor(at.places[inner]).astype(np.int64).T)]
         right[inner] = (signs != 0) & (signs != 255)
+    # Inner vertices of a cell with tied corners may be anywhere in it, its faces included.
     bad = np.flatnonzero(~right)
+    bad = bad[~_beside_tie(lattice, at.places[bad])]
     if not len(bad):
         return passed(on_edges=len(edge), inside_cells=len(inner))
     first = int(bad[0])
@@ -92,6 +95,18 @@ def on_edges(trial: Trial) -> Finding:
         vertices=len(bad),
         first=place(at.places[first]),
     )
+
+
+def _beside_tie(lattice: Lattice, places: Floats) -> Booleans:
+    """(n,) a corner of a cell that the place belongs to is a tied sample."""
+    beside = np.zeros(len(places), bool)
+    if not len(places) or not lattice.tied.any():
+        return beside
+    ends = np.stack([np.ceil(places) - 1, np.rint(places), np.floor(places) + 1])
+    ends = np.clip(ends, 0, np.subtract(lattice.shape, 1)).astype(np.int64)
+    for a, b, c in product(range(3), repeat=3):
+        beside |= lattice.tied[ends[a, :, 0], ends[b, :, 1], ends[c, :, 2]]
+    return beside
 
 
 def _where(at: Standing, n: int) -> str:

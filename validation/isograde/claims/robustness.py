@@ -18,6 +18,7 @@ from isograde.claims.evidence import (
     skipped,
     steps_of,
     surface_of,
+    welded,
 )
 from isograde.claims.symmetry import same
 from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial
@@ -111,8 +112,8 @@ def ties(trial: Trial) -> Finding:
     surface = surface_of(trial)
     if not len(off_border(trial, surface.unbalanced_edges)):
         return _separated(trial)
-    welded = surface.welded()
-    loose = off_border(trial, welded.unbalanced_edges, welded.points)
+    joined = welded(trial)
+    loose = off_border(trial, joined.unbalanced_edges, joined.points)
     if not len(loose):
         return _separated(trial)
     return failed(

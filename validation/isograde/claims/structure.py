@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isograde.claims.evidence import VERDICT_OF, answered, failed, first_row, passed
+from isograde.claims.evidence import VERDICT_OF, answered, failed, first_row, lattice_of, passed
 from isograde.model import Claim, Finding, Status, Trial, Verdict
 
 
@@ -70,16 +70,21 @@ def no_repeated_index(trial: Trial) -> Finding:
 
 
 def no_duplicate_face(trial: Trial) -> Finding:
-    """Pass when no two faces name the same three vertices."""
+    """Pass when no two faces name the same three vertices, but at a tied sample, where sheets touch."""
     _, faces = _arrays(trial)
     if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
         return passed()
     order, same = _repeats(np.sort(faces.astype(np.int64), axis=1))
-    if not same.any():
+    pairs = np.stack([order[:-1][same], order[1:][same]], axis=1)
+    mesh = trial.plain.mesh
+    if len(pairs) and mesh is not None and mesh.vertices.shape[1] == 3:
+        lattice = lattice_of(trial)
+        corners = lattice.index(mesh.vertices)[faces[pairs[:, 0]]]
+        pairs = pairs[~lattice.at_tie(corners.reshape(-1, 3)).reshape(-1, 3).any(axis=1)]
+    if not len(pairs):
         return passed()
-    at = int(np.argmax(same))
-    pair = sorted((int(order[at]), int(order[at + 1])))
-    return failed(f"faces {pair[0]} and {pair[1]} are the same triangle", count=int(same.sum()))
+    one, other = sorted(int(f) for f in pairs[0])
+    return failed(f"faces {one} and {other} are the same triangle", count=len(pairs))
 
 
 def _repeats(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

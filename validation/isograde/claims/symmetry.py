@@ -78,7 +78,10 @@ def _compare(trial: Trial, variant: Variant) -> Finding | None:
         return Finding(VERDICT_OF[outcome.status], detail, {"variant": variant.name})
     mesh = outcome.mesh
     if mesh is None or mesh.vertices.shape[1] != 3 or mesh.simplices.shape[1] != 3:
-        return failed(f"{variant.name}: no mesh that could be compared", variant=variant.name)
+        return failed(
+            f"{variant.name}: vertices that are not finite, or faces that are no triangles",
+            variant=variant.name,
+        )
     difference = _difference(trial, variant, mesh)
     if not difference:
         return passed()
@@ -92,9 +95,14 @@ def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
     theirs = traces(lattice, other.points, other.faces)
     ours = traces_of(trial)
     judged = remembered(trial, "judged faces", lambda: _judged_faces(trial, ours))
-    if len(theirs.cell) != len(ours.cell) or not np.array_equal(theirs.cell, ours.cell):
-        return "other cells have triangles"
-    changed = judged & ((theirs.separated != ours.separated) | (theirs.joined != ours.joined))
+    row, other_row, lost = _matched(ours, theirs)
+    if lost:
+        return f"{lost} cells have triangles in one answer and not in the other"
+    changed = np.zeros(judged.shape, bool)
+    changed[row] = (theirs.separated[other_row] != ours.separated[row]) | (
+        theirs.joined[other_row] != ours.joined[row]
+    )
+    changed &= judged
     if changed.any():
         row, face = np.argwhere(changed)[0]
         return (
@@ -108,6 +116,14 @@ def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
     )
 
 
+def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
+    """The rows of the cells that both have, and how many untied cells only one has."""
+    _, row, other = np.intersect1d(ours.cell, theirs.cell, assume_unique=True, return_indices=True)
+    lost = int((~ours.tied).sum() - (~ours.tied[row]).sum())
+    lost += int((~theirs.tied).sum() - (~theirs.tied[other]).sum())
+    return row, other, lost
+
+
 def _brought_back(trial: Trial, variant: Variant, mesh: Mesh) -> Surface:
     """The variant's answer as a surface in the plain field's index coordinates."""
     posed = pose(variant.name, trial.field, trial.case.isovalue)
@@ -115,7 +131,7 @@ def _brought_back(trial: Trial, variant: Variant, mesh: Mesh) -> Surface:
     field, isovalue = posed
     # Only the frame of coordinates is wanted of this lattice, so any array of its shape will do.
     frame = Lattice(field, isovalue, np.broadcast_to(np.False_, field.shape))
-    places = variant.back(frame.index(mesh.vertices), field)
+    places = variant.back(frame.index(mesh.vertices), trial.field)
     faces = mesh.simplices[:, ::-1] if variant.reflects else mesh.simplices
     middle = places[faces].mean(axis=1)
     inside = ((middle >= 0) & (middle <= np.subtract(trial.field.shape, 1))).all(axis=1)

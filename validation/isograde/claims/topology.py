@@ -3,9 +3,9 @@
 Vertices count as one where the implementation says so, by sharing an index. There is one
 exception, and it is only for fields with *ties*, samples that stand on the surface to within the
 tolerance: an implementation may have one vertex or several there, and leave out the faces without
-area between them. Where such a mesh is open as given, vertices of exactly equal coordinates are
-welded before it is judged. And as sheets may touch at a tied sample, an edge or a vertex that is
-not manifold there is not held against a mesh.
+area between them. Where such a mesh is open as given, vertices at one tied sample, or of exactly
+equal coordinates, are welded before it is judged. And as sheets may touch at a tied sample, an
+edge or a vertex that is not manifold there is not held against a mesh.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from isograde.claims.evidence import (
     passed,
     place,
     steps_of,
-    surface_of,
     traces_of,
+    welded,
 )
 from isograde.model import Claim, Finding, Judge, Trial
 from isograde.truths.bilinear import saddles
@@ -39,8 +39,8 @@ def closed(trial: Trial) -> Finding:
     loose = off_border(trial, surface.open_edges, surface.points)
     if not len(loose):
         return passed(edges=len(surface.edges.ends))
-    welded = surface_of(trial).welded()
-    still = len(off_border(trial, welded.open_edges, welded.points))
+    joined = welded(trial)
+    still = len(off_border(trial, joined.open_edges, joined.points))
     advice = "" if still else "; it is closed once equal vertices are welded: share them"
     a, b = surface.points[loose[0]]
     return failed(

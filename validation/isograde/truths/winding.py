@@ -12,8 +12,9 @@ walk is displaced by an infinitesimal (e, e * e) across its direction, always in
 which one follows from the signs of exact differences. Two faces that share an edge decide with
 the same product, so no rounding can lose a crossing or count it twice.
 
-What is left undecided are samples that the mesh itself touches, to within the tolerance. Such a
-sample is on neither side; the steps before and after it are added up and judged as one.
+What is left undecided are tied samples, and those that the mesh itself touches to within the
+tolerance. Such a sample is on neither side; the steps before and after it are added up and judged
+as one.
 
 References
 ----------
@@ -186,8 +187,8 @@ def _spread(
 def _touched(
     lattice: Lattice, places: Floats, turned: tuple[int, ...], height: Floats, column: Integers
 ) -> Booleans:
-    """Samples that a vertex or a crossing touches to within the tolerance, axes turned."""
-    touched = np.zeros(lattice.inside.transpose(turned).shape, bool)
+    """Samples that are tied, or that a vertex or a crossing touches, axes turned."""
+    touched = lattice.tied.transpose(turned).copy()
     spots = np.concatenate([places[:, turned], np.column_stack([height, column])])
     nearest = np.rint(spots)
     near = (np.abs(spots - nearest) <= lattice.tolerance).all(axis=1)
