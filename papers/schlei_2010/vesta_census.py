@@ -10,6 +10,8 @@ template    the polygons of the original marching cubes; a cell and its compleme
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from isoref import lorensen_cline
 from isoref.cube import (
@@ -26,10 +28,6 @@ from scipy.optimize import linprog
 from vesta_counts import all_signatures
 
 Cycle = tuple[int, ...]
-
-#: The letters of Figs. 19 to 24 for the configurations of `isoref.cube`. The figures are not in
-#: the text we have; that their ambiguous ones are d, g, h, l, m, n is.
-LETTERS_WITH_AMBIGUITY = ("d", "g", "h", "l", "m", "n")
 
 
 def moved(cycle: Cycle, move: tuple[int, ...]) -> Cycle:
@@ -48,6 +46,7 @@ def kind(cycle: Cycle) -> Cycle:
     return min(images)
 
 
+@cache
 def attainable(signs: int, separated: int) -> bool:
     """Whether eight values exist with these signs and these decisions by averages.
 

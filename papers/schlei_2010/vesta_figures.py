@@ -246,7 +246,7 @@ def render(mesh: Mesh, right: Floats, up: Floats, width: int = 520) -> Floats:
     normals = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])
     # Leave out what turns its back.
     seen, normals = seen[normals[:, 2] > 0], normals[normals[:, 2] > 0]
-    light = np.array([-0.35, 0.45, 0.82])
+    light = np.array([-0.6, 0.45, 0.66])
     lit = np.clip(normals @ light / np.maximum(np.linalg.norm(normals, axis=1), 1e-300), 0, 1)
     height = int((high[1] - low[1]) * scale) + 1
     image, nearest = np.full((2, height * width), -np.inf)

@@ -1,0 +1,190 @@
+"""What the report on Schlei's VESTA rests on: counts, census, comparison, identities."""
+
+import importlib
+import json
+import sys
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from isoref.field import Field
+from isoref.freeze_out import contour_stack, correspondence_problems
+from isoref.methods import METHODS
+from isoref.vesta import extract
+
+FOLDER = Path(__file__).parents[2] / "papers" / "schlei_2010"
+MODES = ("disconnect", "connect", "mixed")
+
+
+@pytest.fixture(scope="module")
+def module() -> Callable[[str], Any]:
+    """Imports a module of the paper's folder."""
+    sys.path.insert(0, str(FOLDER))
+    return importlib.import_module
+
+
+@pytest.fixture(scope="module")
+def printed() -> Any:
+    """The tables of the paper."""
+    return json.loads((FOLDER / "tables.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def bunny() -> list[int]:
+    """The histogram of the bunny's cells, kept so that its scan is not needed."""
+    kept = json.loads((FOLDER / "bunny_cells.json").read_text(encoding="utf-8"))
+    histogram: list[int] = kept["histogram"]
+    return histogram
+
+
+def test_table_2_follows_from_256_numbers(
+    module: Callable[[str], Any], printed: Any, bunny: list[int]
+) -> None:
+    """Table II, every count of the global modes, without the scan."""
+    counts = module("vesta_counts")
+    for mode, separated in counts.GLOBAL.items():
+        rows = printed["II"][mode]
+        cells = {(signs, separated): n for signs, n in enumerate(bunny) if n}
+        found = counts.lengths(cells)
+        assert found == {int(N): n for N, n in rows["cycles"].items()}
+        points = counts.support_points(cells)
+        assert points == rows["L points"]
+        assert points + counts.averages(found, "H") == rows["H points"]
+        for resolution in ("L", "H"):
+            assert counts.triangles(found, resolution) == rows[f"{resolution} triangles"]
+            marching = counts.marching_points(found, resolution)
+            assert marching == rows[f"marching {resolution} points"]
+
+
+@pytest.mark.slow
+def test_the_histogram_is_that_of_the_scan(
+    module: Callable[[str], Any], bunny: list[int], data: Path
+) -> None:
+    """The kept numbers were counted in the file the project's data folder holds."""
+    grey = np.load(data / "bunny_ct.npz")["values"]
+    assert module("vesta_counts").histogram(Field.of(grey), 1807).tolist() == bunny
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("border", ["open", "closed"])
+def test_cells_count_what_the_surface_has(
+    module: Callable[[str], Any], mode: Any, border: Any
+) -> None:
+    """Signatures of cells and the global algorithm give the same cycles by length."""
+    counts = module("vesta_counts")
+    field = Field.of(np.random.default_rng(1).integers(0, 9, (9, 7, 8)))
+    surface = extract(field, 4.5, mode=mode, border=border)
+    cells = counts.signatures(field, 4.5, mode, border)
+    assert counts.lengths(cells) == surface.lengths
+    if border == "closed":
+        assert counts.support_points(cells) == len(surface.points)
+
+
+def test_one_number_of_the_tables_breaks_their_identities(
+    module: Callable[[str], Any], printed: Any
+) -> None:
+    """Table III, mixed, original: L points lack the 1,565 averages its triangles use."""
+    counts = module("vesta_counts")
+    broken = []
+    for table in ("II", "III", "IV"):
+        for mode in MODES:
+            rows = printed[table][mode]
+            found = {int(N): n for N, n in rows["cycles"].items()}
+            supports = printed[table]["disconnect"]["L points"]
+            computed = {
+                "sum": sum(found.values()),
+                "L points": supports + counts.averages(found, "L"),
+                "H points": supports + counts.averages(found, "H"),
+            }
+            for r in ("L", "H"):
+                computed[f"{r} triangles"] = counts.triangles(found, r)
+                computed[f"marching {r} points"] = counts.marching_points(found, r)
+            broken += [(table, mode, k, v - rows[k]) for k, v in computed.items() if v != rows[k]]
+    assert broken == [("III", "mixed", "L points", 1539 + 26)]
+
+
+def test_averages_reach_the_papers_14_types_and_no_more(module: Callable[[str], Any]) -> None:
+    """Section II.E: nine types in global modes, 14 in mixed mode; 16 for free decisions."""
+    census = module("vesta_census")
+    assert len(census.types(global_modes_only=True)) == 9
+    assert len(census.types(averages_only=True)) == 14
+    assert len(census.types()) == 16
+
+
+def test_unattainable_decisions_are_12_cycles_and_pairs_of_6_cycles(
+    module: Callable[[str], Any],
+) -> None:
+    """Opposite faces' averages have one sum: some decisions cannot be taken together."""
+    census, counts = module("vesta_census"), module("vesta_counts")
+    never = Counter(
+        tuple(sorted(len(c) for c in census.cycles(*signature)))
+        for signature in counts.all_signatures()
+        if not census.attainable(*signature)
+    )
+    assert never == {(12,): 24, (6, 6): 12}
+
+
+def test_random_values_take_attainable_decisions_only(module: Callable[[str], Any]) -> None:
+    """The linear programme is right: no eight numbers contradict it."""
+    census = module("vesta_census")
+    generator = np.random.default_rng(2)
+    g = generator.normal(size=(8, 4000)) ** 3
+    signs = ((g >= 0) << np.arange(8)[:, None]).sum(axis=0)
+    decisions = module("isoref.marching_vesta").decisions(g)
+    pairs = set(zip(signs.tolist(), decisions.tolist(), strict=True))
+    assert len(pairs) > 300
+    assert all(census.attainable(*pair) for pair in pairs)
+
+
+def test_six_configurations_differ_from_the_templates(module: Callable[[str], Any]) -> None:
+    """Section II.G: none in disconnect, nor in connect for inverted sites; six otherwise."""
+    entries = module("vesta_census").comparison()
+    differ = {
+        column: [e["configuration"] for e in entries if not e[column][1]]
+        for column in ("disconnect", "connect", "inverted disconnect", "inverted connect")
+    }
+    ambiguous = [3, 6, 7, 10, 12, 13]
+    assert differ == {
+        "disconnect": [],
+        "connect": ambiguous,
+        "inverted disconnect": ambiguous,
+        "inverted connect": [],
+    }
+
+
+def test_the_templates_leave_a_hole_and_vesta_none(module: Callable[[str], Any]) -> None:
+    """Fig. 25: four open edges between two cells; none in any of the six surfaces."""
+    figures = module("vesta_figures")
+    pair = Field.of(module("vesta_census").hole())
+    cells = np.array([(0, 0, 0), (0, 0, 1)])
+    torn = METHODS["lorensen-cline"](pair, 0.5)
+    assert len(figures.inner_boundary(torn, cells)) == 4
+    for name, method in METHODS.items():
+        if "vesta" in name:
+            assert figures.inner_boundary(method(pair, 0.5), cells) == []
+
+
+def test_the_fireball_splits_where_stacked_contours_cannot_follow(
+    module: Callable[[str], Any],
+) -> None:
+    """Fig. 30: one contour becomes two, the last frame has none; only in the planes of fixed t."""
+    fireball = module("fireball")
+    stacks = [contour_stack(fireball.temperature(), fireball.FREEZE_OUT, a) for a in range(3)]
+    counts = [len(contours) for contours in stacks[0]]
+    assert counts[0] == 1
+    assert max(counts) == 2
+    assert counts[-1] == 0
+    assert [len(correspondence_problems(stack)) for stack in stacks] == [1, 0, 0]
+
+
+def test_reproduce_runs_without_volumes(module: Callable[[str], Any], tmp_path: Path) -> None:
+    """The report says what it skipped, and Table II is in it all the same."""
+    reproduce = module("reproduce")
+    kept = reproduce.bunny({}, tmp_path)
+    assert "skipped" in kept[-1]
+    assert not kept[0].differing()
+    assert len(kept[0].rows) == 20
+    assert "Skipped" in reproduce.real_volumes({})[0]
