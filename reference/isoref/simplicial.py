@@ -69,8 +69,11 @@ Sampler = Callable[[Integers], Floats]
 Name = Any  # a sample's number, or a pair of names
 State = dict[Name, Floats]  # the point and the values of each vertex
 
-# Bytes that are alive at once for one active Kuhn simplex with one vertex, at the highest.
-BYTES_A_VERTEX = 40
+# Cells that are cut together: enough for NumPy to be fast, few enough to stay in the cache.
+BLOCK = 1 << 14
+
+# How many times the size of the result is alive at the highest, when the blocks are put together.
+COPIES = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +82,7 @@ class Complex:
 
     Attributes
     ----------
+    names : (V, 2^s) after s sections: the sample a vertex is, or the names of the ends of its edge
     points : (V, n) indices into the lattice, fractional from the first section on
     values : (V, r) the components that are still to be cut
     simplices : (S, k + 1) rows of vertices, climbing
@@ -86,6 +90,7 @@ class Complex:
     parents : (S,) the Kuhn simplex each lies in
     """
 
+    names: Integers
     points: Floats
     values: Floats
     simplices: Integers
@@ -120,7 +125,8 @@ def extract(
     >>> extract(Field.of((i - 2) ** 2 + (j - 2) ** 2), 2.5)
     Mesh(22 vertices in R^2, 22 simplices of dimension 1)
     """
-    return to_mesh(section_of_field(field, isovalue, rule, epsilon, memory), field)
+    complex_ = section_of_field(field, isovalue, rule, epsilon, memory)
+    return to_mesh(complex_, field.spacing, field.origin)
 
 
 def section_of_field(
@@ -139,15 +145,54 @@ def section_of_field(
         return zeroed(flat[:, numbers].T.astype(np.float64) - level, epsilon)
 
     cells = active_cells(field, level)
-    kuhn = kuhn_complex(field.shape, cells, sample, memory)
-    return cut(kuhn, field.components, rule, epsilon)
+    return section_of_cells(field.shape, cells, sample, rule, epsilon, memory)
 
 
-def cut(complex_: Complex, m: int, rule: str, epsilon: float | None) -> Complex:
-    """What is left of a complex after m sections."""
-    for _ in range(m):
-        complex_ = section(complex_, rule, epsilon)
-    return complex_
+def section_of_cells(
+    shape: tuple[int, ...],
+    cells: Integers,
+    sample: Sampler,
+    rule: str,
+    epsilon: float | None,
+    memory: int | None,
+) -> Complex:
+    """The isosurface in these cells (C,), cut a block of cells at a time.
+
+    `sample` gives the values (P, m), minus the isovalue, of the samples with numbers (P,).
+    """
+    allowed = psutil.virtual_memory().available if memory is None else memory
+    parts: list[Complex] = []
+    for start in range(0, max(len(cells), 1), BLOCK):
+        part = kuhn_complex(shape, cells[start : start + BLOCK], sample)
+        while part.values.shape[1]:
+            part = section(part, rule, epsilon)
+        parts.append(part)
+        check_memory(parts, min(start + BLOCK, len(cells)), len(cells), allowed)
+    return united(parts)
+
+
+def united(parts: list[Complex]) -> Complex:
+    """One complex of several, vertices of one name made one, simplices in order of parents."""
+    names = np.concatenate([part.names for part in parts])
+    order = np.lexsort(names.T[::-1])
+    first = np.ones(len(names), bool)
+    first[1:] = (np.diff(names[order], axis=0) != 0).any(axis=1)
+    places = np.empty(len(names), np.int64)
+    places[order] = np.cumsum(first) - 1
+    starts = np.cumsum([0, *(len(part.names) for part in parts)])
+    rows = np.concatenate(
+        [places[start + part.simplices] for part, start in zip(parts, starts, strict=False)]
+    )
+    parents = np.concatenate([part.parents for part in parts])
+    by_parent = np.argsort(parents, kind="stable")
+    return Complex(
+        names[order[first]],
+        np.concatenate([part.points for part in parts])[order[first]],
+        np.concatenate([part.values for part in parts])[order[first]],
+        rows[by_parent],
+        np.concatenate([part.signs for part in parts])[by_parent],
+        parents[by_parent],
+    )
 
 
 def section(complex_: Complex, rule: str = "staircase", epsilon: float | None = None) -> Complex:
@@ -158,7 +203,9 @@ def section(complex_: Complex, rule: str = "staircase", epsilon: float | None = 
     # Give each crossed edge one vertex, numbered by the ends of the edge.
     edges = [_edge_keys(simplices[own], table, len(inside)) for own, table in groups]
     keys, numbers = weld(np.concatenate([np.empty(0, np.int64), *(e.ravel() for e in edges)]))
-    points, values = _cross(complex_, *np.divmod(keys, max(len(inside), 1)), epsilon)
+    low, high = np.divmod(keys, max(len(inside), 1))
+    names = np.hstack([complex_.names[low], complex_.names[high]])
+    points, values = _cross(complex_, low, high, epsilon)
     # Cut the section of each simplex by the table for its signs.
     rows, orientation, parents = [np.empty((0, k), np.int64)], [], []
     ends = np.cumsum([e.size for e in edges])[:-1]
@@ -168,7 +215,7 @@ def section(complex_: Complex, rule: str = "staircase", epsilon: float | None = 
         parents.append(np.repeat(complex_.parents[own], len(table.rows)))
     none = complex_.parents[:0]
     flat = [np.concatenate([none, *parts]) for parts in (orientation, parents)]
-    return _straddling(Complex(points, values, np.concatenate(rows), *flat))
+    return _straddling(Complex(names, points, values, np.concatenate(rows), *flat))
 
 
 def _by_signs(inside: Booleans, simplices: Integers) -> Iterator[tuple[int, Integers]]:
@@ -200,12 +247,21 @@ def _cross(
 
 
 def _straddling(complex_: Complex) -> Complex:
-    """Only the simplices on which every remaining value takes both signs."""
-    r = complex_.values.shape[1]
+    """Only the simplices on which every remaining value takes both signs, and their vertices."""
     bits = sign_bits(complex_.values)
-    kept = np.flatnonzero(straddles(bits[complex_.simplices.T], r))
-    parts = (complex_.simplices, complex_.signs, complex_.parents)
-    return Complex(complex_.points, complex_.values, *(part[kept] for part in parts))
+    kept = np.flatnonzero(straddles(bits[complex_.simplices.T], complex_.values.shape[1]))
+    rows = complex_.simplices[kept]
+    used = np.zeros(len(bits), bool)
+    used[rows] = True
+    places = np.cumsum(used) - 1
+    return Complex(
+        complex_.names[used],
+        complex_.points[used],
+        complex_.values[used],
+        places[rows],
+        complex_.signs[kept],
+        complex_.parents[kept],
+    )
 
 
 def sign_bits(values: Floats) -> Integers:
@@ -234,13 +290,24 @@ def weld(keys: Integers) -> tuple[Integers, Integers]:
     >>> [part.tolist() for part in weld(np.array([7, 3, 7]))]
     [[3, 7], [1, 0, 1]]
     """
-    order = np.argsort(keys)
-    ordered = keys[order]
+    bits = len(keys).bit_length()
+    if keys.max(initial=0) < 1 << (63 - bits):
+        ordered, order = _sorted_packed(keys, bits)
+    else:
+        order = np.argsort(keys)
+        ordered = keys[order]
     first = np.ones(len(keys), bool)
     first[1:] = ordered[1:] != ordered[:-1]
     places = np.empty(len(keys), np.int64)
     places[order] = np.cumsum(first) - 1
     return ordered[first], places
+
+
+def _sorted_packed(keys: Integers, bits: int) -> tuple[Integers, Integers]:
+    """Keys in order and where they were, by one sort of keys and places packed together."""
+    packed = keys << bits | np.arange(len(keys))
+    packed.sort()
+    return packed >> bits, packed & ((1 << bits) - 1)
 
 
 def levels(isovalue: Isovalue, m: int) -> Floats:
@@ -279,14 +346,21 @@ def checked_values(values: Floats) -> Floats:
     return values
 
 
-def check_memory(simplices: int, n: int, memory: int | None) -> None:
-    """Nothing, where this many active Kuhn simplices fit into `memory`; else a `FieldError`."""
-    needed = simplices * (n + 1) * BYTES_A_VERTEX
-    allowed = psutil.virtual_memory().available if memory is None else memory
+def check_memory(parts: list[Complex], done: int, cells: int, allowed: int) -> None:
+    """Nothing, where the result will fit; else a `FieldError` with the numbers.
+
+    The cells that are done tell what the others will take.
+    """
+    bytes_ = sum(
+        array.nbytes
+        for part in parts
+        for array in (part.names, part.points, part.simplices, part.signs, part.parents)
+    )
+    needed = COPIES * bytes_ * cells // max(done, 1)
     if needed > allowed:
         raise FieldError(
-            f"{simplices:,} active Kuhn simplices of dimension {n} need about {needed:,} bytes, "
-            f"but {allowed:,} are allowed; take a coarser lattice or a part of it"
+            f"the isosurface in {cells:,} cells needs about {needed:,} bytes (seen from {done:,} "
+            f"of them), but {allowed:,} are allowed; take a coarser lattice or a part of it"
         )
 
 
@@ -307,17 +381,8 @@ def active_cells(field: Field, level: Floats) -> Integers:
     return np.asarray(np.ravel_multi_index(active, field.shape), np.int64)
 
 
-def kuhn_complex(
-    shape: tuple[int, ...], cells: Integers, sample: Sampler, memory: int | None = None
-) -> Complex:
-    """The Kuhn simplices of `cells` on which every component takes both signs.
-
-    Parameters
-    ----------
-    cells : (C,) numbers of cells
-    sample : gives the values (P, m), minus the isovalue, of the samples with these numbers (P,)
-    memory : see `extract`
-    """
+def kuhn_complex(shape: tuple[int, ...], cells: Integers, sample: Sampler) -> Complex:
+    """The Kuhn simplices of `cells` on which every component takes both signs."""
     n = len(shape)
     corners = cells[:, None] + corner_offsets(n) @ strides(shape)
     numbers, places = weld(corners.ravel())
@@ -325,25 +390,21 @@ def kuhn_complex(
     places = places.reshape(corners.shape)
     bits = np.ascontiguousarray(sign_bits(values)[places].T)
     hit = [np.flatnonzero(straddles(bits[chain], values.shape[1])) for chain in chains(n)]
-    check_memory(sum(map(len, hit)), n, memory)
     rows = [places[own][:, chain] for own, chain in zip(hit, chains(n), strict=True)]
     orientation = [np.full(len(own), s) for own, s in zip(hit, signs(n), strict=True)]
     parents = [cells[own] * factorial(n) + J for J, own in enumerate(hit)]
     points = np.array(np.unravel_index(numbers, shape), np.float64).T
-    return Complex(
-        points, values, np.concatenate(rows), np.concatenate(orientation), np.concatenate(parents)
-    )
+    simplices = [np.concatenate(lists) for lists in (rows, orientation, parents)]
+    return Complex(numbers[:, None], points, values, *simplices)
 
 
-def to_mesh(complex_: Complex, field: Field) -> Mesh:
-    """The mesh of a complex without values, oriented, in space, with the used vertices only."""
-    used, places = weld(complex_.simplices.ravel())
-    size = complex_.simplices.shape[1]
-    rows = places.reshape(-1, size)
-    if size > 1:
+def to_mesh(complex_: Complex, spacing: Sequence[float], origin: Sequence[float]) -> Mesh:
+    """The mesh of a complex, its points in space and its rows oriented as they stand."""
+    rows = complex_.simplices.copy()
+    if rows.shape[1] > 1:
         negative = complex_.signs < 0
         rows[negative, -2:] = rows[negative, -2:][:, ::-1]
-    return Mesh(field.position(complex_.points[used]), rows)
+    return Mesh(complex_.points * spacing + origin, rows)
 
 
 def gradients(
@@ -397,8 +458,9 @@ def extract_plain(
     orientation = np.array([sign for _, sign in pieces], np.int64)
     points = np.array([state[name][:n] for name in used]).reshape(-1, n)
     simplices_ = np.array(rows, np.int64).reshape(-1, n - m + 1)
-    none = np.empty(0, np.int64)
-    return to_mesh(Complex(points, np.empty((0, 0)), simplices_, orientation, none), field)
+    none, names = np.empty(0, np.int64), np.empty((0, 0), np.int64)
+    complex_ = Complex(names, points, np.empty((0, 0)), simplices_, orientation, none)
+    return to_mesh(complex_, field.spacing, field.origin)
 
 
 def _cut_plainly(

@@ -13,7 +13,7 @@ from isograde.truths import simplices as truth
 from isoref import Field, FieldError, Mesh
 from isoref.kuhn import interpolate, lattice_simplices
 from isoref.simplex_section import RULES
-from isoref.simplicial import extract, extract_plain, gradients, section_of_field
+from isoref.simplicial import extract, extract_plain, gradients, section_of_field, weld
 from scipy.spatial import cKDTree
 
 KINDS = [(1, 1), (2, 1), (3, 1), (3, 2), (4, 1), (4, 2), (4, 3), (5, 1), (5, 2), (5, 3), (3, 3)]
@@ -239,6 +239,29 @@ def test_volumes_of_known_manifolds_converge_in_second_order(
     assert order > 1.7
 
 
+@pytest.mark.parametrize("shift", [0, 61])
+def test_welding_is_the_same_with_keys_that_can_be_packed_and_with_keys_that_cannot(
+    shift: int,
+) -> None:
+    """The fast sort of packed keys and its plain twin, against NumPy's unique."""
+    keys = np.random.default_rng(0).integers(0, 2, 50) << shift
+    keys[:3] = [0, 1 << shift, 1]
+    distinct, places = weld(keys)
+    expected, where = np.unique(keys, return_inverse=True)
+    np.testing.assert_array_equal(distinct, expected)
+    np.testing.assert_array_equal(places, where)
+
+
+def test_blocks_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells cut in blocks of seven give the mesh of all cells cut at once."""
+    field = noise(4, 2, 6)
+    whole = extract(field)
+    monkeypatch.setattr("isoref.simplicial.BLOCK", 7)
+    parts = extract(field)
+    np.testing.assert_array_equal(whole.vertices, parts.vertices)
+    np.testing.assert_array_equal(whole.simplices, parts.simplices)
+
+
 def test_as_many_components_as_axes_give_the_roots() -> None:
     """N = m: isolated points, here where sin(3 pi x - y / 9) and cos(pi y) vanish together."""
     field = sampled(
@@ -303,5 +326,5 @@ def test_bad_input_is_refused_with_a_reason() -> None:
         extract(Field.of(np.zeros((4, 4))), [1, 2, 3])
     with pytest.raises(FieldError, match="not finite"):
         extract(Field.of(np.zeros((4, 4))), float("nan"))
-    with pytest.raises(FieldError, match=r"active Kuhn simplices .* need about .* 1,000 are"):
+    with pytest.raises(FieldError, match=r"6 cells needs about .* but 1,000 are"):
         extract(noise(4, 1, 0), memory=1000)
