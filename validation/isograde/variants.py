@@ -143,8 +143,11 @@ def _beyond(direction: int) -> Callable[[Field, float], Posed]:
 
 
 def _flat(field: Field, isovalue: float) -> Posed:
-    """A plane of the field instead of the field."""
-    return Field(field.values[0], field.spacing[1:], field.origin[1:]), isovalue
+    """The first plane of the field with values on both sides, instead of the field."""
+    for plane in field.values:
+        if (plane < isovalue).any() and (plane > isovalue).any():
+            return Field(plane, field.spacing[1:], field.origin[1:]), isovalue
+    return None
 
 
 def _nothing(field: Field, isovalue: float) -> Posed:

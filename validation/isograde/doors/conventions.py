@@ -56,7 +56,8 @@ def _empty_for_error(outcome: Outcome, request: Request, conventions: Convention
     values, n = request.field.values, request.field.dimension
     tie = conventions.tie == "inside"
     inside = values >= request.isovalue if tie else values > request.isovalue
-    if values.ndim != n or (inside.any() and not inside.all()):
+    is_field = values.ndim == n and values.size > 0 and np.isfinite(request.isovalue)
+    if not is_field or (inside.any() and not inside.all()):
         return outcome
     nothing = np.empty((0, n)), np.empty((0, n), np.int64)
     return replace(outcome, status=Status.OK, vertices=nothing[0], faces=nothing[1])
