@@ -25,13 +25,17 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from isograde import report as reports
+from isograde.check import check
 from isograde.claims import CLAIMS
 from isograde.doors import ready_made_names
+from isograde.doors.directory import export
 from isograde.fields import all_cases, volumes
+from isograde.frequencies import frequencies
 from isograde.grading import grade as grade_one
-from isograde.model import LEVELS, Claim, DoorError, Limits
+from isograde.model import LEVELS, Case, Claim, DoorError, Limits, Request, Verdict
 from isograde.report import comparison, record, words
-from isograde.runner import NothingToRun, Options, processors
+from isograde.variants import pose
+from isograde.runner import BAD, NothingToRun, Options, plan, processors
 
 app = typer.Typer(
     name="isograde",
@@ -137,7 +141,7 @@ def _grade(spec: str, options: Options, path: Path) -> record.Report:
             task = bar.add_task(spec, total=None, bad="")
 
             def watch(done: int, total: int, tally: record.Tally) -> None:
-                bad = sum(tally.verdicts[word] for word in record.BAD)
+                bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
                 bar.update(task, completed=done, total=total, bad=f"{bad} bad" if bad else "")
 
             return grade_one(spec, options, path, arguments=sys.argv[1:], watch=watch)
@@ -218,6 +222,73 @@ def _tell(result: record.Report) -> None:
             f"[{colour}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
             f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
         )
+
+
+@app.command(name="check")
+def check_(implementation: Spec) -> None:
+    """Try the door in a second or two, with advice on each mistake."""
+    advice = check(implementation)
+    for verdict, sentence in advice:
+        colour = "green" if verdict is Verdict.PASS else "red"
+        console.print(f"[{colour}]{verdict.value:>11}[/]  {escape(sentence)}")
+    if all(verdict is Verdict.PASS for verdict, _ in advice):
+        return
+    started = len(advice) > 1
+    raise typer.Exit(Exit.FAILS if started else Exit.NOT_STARTED)
+
+
+@app.command(name="export")
+def export_(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder.")],
+    full: Annotated[bool, typer.Option("--full", help="Every case.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Other numbers under the same ids.")] = 0,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="GLOB", help="Claims or cases with such an id.")
+    ] = None,
+    variants: Annotated[
+        bool, typer.Option("--variants", help="Every way a case is posed, not only the plain one.")
+    ] = False,
+) -> None:
+    """Write the fields as files, to be judged later as dir:DIR."""
+    options = Options(seed, full, tuple(only or ()))
+    try:
+        count = export(folder, _requests(options, variants))
+    except (DoorError, OSError) as error:
+        stop(Exit.WRONG_USE, str(error))
+    except NothingToRun as error:
+        stop(Exit.NOTHING_RAN, str(error.args[0]))
+    console.print(
+        f"{count:,} fields in [bold]{escape(str(folder))}[/]; put a mesh beside each, then "
+        f"isograde grade dir:{escape(str(folder))}"
+    )
+
+
+def _requests(options: Options, variants: bool) -> list[Case | Request]:
+    """The cases of the plan, and every variant that its claims ask for. Raises `NothingToRun`."""
+    cases = all_cases(options.seed)
+    found: list[Case | Request] = []
+    for task in plan(options, cases, CLAIMS):
+        case = cases[task.case]
+        found.append(case)
+        names = {name for claim in task.claims for name in CLAIMS[claim].variants}
+        for name in sorted(names) if variants else ():
+            posed = pose(name, case.build(), case.isovalue)
+            if posed is not None:
+                found.append(Request(case.id, name, *posed))
+    return found
+
+
+@app.command(name="frequencies")
+def frequencies_(
+    volume: Annotated[str, typer.Argument(metavar="VOLUME", help="A file, or a known data set.")],
+    isovalue: Annotated[float, typer.Option(help="Value of the surface.")],
+) -> None:
+    """Count the configurations of the cells, as Table 1 of Nielson & Hamann."""
+    try:
+        table = frequencies(_volume(volume), isovalue).markdown()
+    except (volumes.VolumeError, FieldError) as error:
+        stop(Exit.WRONG_USE, str(error))
+    console.print(table, end="", markup=False)
 
 
 @app.command()

@@ -15,9 +15,10 @@ from typing import Any
 from isograde.claims import CLAIMS
 from isograde.doors import open_door
 from isograde.fields import all_cases
-from isograde.model import DoorError, Outcome, Request, Verdict
+from isograde.model import DoorError, Outcome, Request
 from isograde.report import record
-from isograde.runner import Evidence, Judged, Options, Task, Worker, plan, run
+from isograde.runner import BAD, Judged, Options, Task, Worker, plan, run
+from isograde.shrinking import SMALL, shrink
 
 # A second process costs a start; below so many cases it does not pay.
 CASES_PER_JOB = 60
@@ -29,11 +30,11 @@ Watch = Callable[[int, int, record.Tally], None]
 
 @dataclass(frozen=True, eq=False)
 class Smallest:
-    """The smallest failed case of a claim that can be shown whole."""
+    """The smallest case on which a claim failed, and what it is a block of."""
 
-    case: str
+    judged: Judged
     samples: int
-    evidence: Evidence
+    of: str = ""
 
 
 def grade(
@@ -65,7 +66,7 @@ def grade(
             writer.write(record.header(spec, worker.declaration, options, list(arguments)))
             writer.write_claims(tasks, worker)
             tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
-            writer.write_evidence(smallest, options)
+            writer.write_evidence(smallest, worker, options)
             writer.write(tally.footer(time.perf_counter() - start))
     finally:
         worker.door.close()
@@ -106,37 +107,52 @@ class Writer:
                 watch(tally.cases, len(tasks), tally)
         return tally, smallest
 
-    def write_evidence(self, smallest: Mapping[str, Smallest], options: Options) -> None:
-        """A line for each failed claim whose smallest case can be shown whole."""
-        legal = contrast(smallest.values(), options) if smallest else {}
-        for claim, found in smallest.items():
-            self.write(
-                record.evidence_record(claim, found.case, found.evidence, legal.get(found.case))
-            )
+    def write_evidence(
+        self, smallest: Mapping[str, Smallest], worker: Worker, options: Options
+    ) -> None:
+        """A line for each failed claim whose smallest case, made smaller still, can be shown."""
+        found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
+        shown = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
+        legal = contrast([one.judged for one in shown.values()], options)
+        for claim, one in shown.items():
+            judged = one.judged
+            self.write(record.evidence_record(claim, judged, one.of, legal.get(judged.case)))
 
 
 def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
-    """`smallest` knows the evidence of this case, where it is smaller than what it knew."""
-    if judged.evidence is None:
-        return
+    """`smallest` knows this case for each claim that failed on it and on no smaller one."""
     for claim, finding in judged.findings.items():
         known = smallest.get(claim)
-        if finding.verdict is Verdict.FAIL and (known is None or samples < known.samples):
-            smallest[claim] = Smallest(judged.case, samples, judged.evidence)
+        if finding.verdict in BAD and (known is None or samples < known.samples):
+            smallest[claim] = Smallest(judged, samples)
 
 
-def contrast(found: Any, options: Options) -> dict[str, Outcome]:
+def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
+    """The smallest block of the case on which the claim still fails, or the case as it is."""
+    if found.samples <= SMALL:
+        return found
+    case = worker.cases[found.judged.case]
+    less = shrink(worker, case, worker.claims[claim])
+    if less is None:
+        return found
+    return Smallest(less, worker.cases[less.case].samples, case.id)
+
+
+def contrast(judgements: Sequence[Judged], options: Options) -> dict[str, Outcome]:
     """What the reference makes of these cases, by case; nothing where it does not start."""
+    if not judgements:
+        return {}
     door = open_door(CONTRAST)
     try:
         door.open(options.limits)
     except DoorError:
         return {}
-    wanted = {one.case: one.evidence for one in found}
+    wanted = {judged.case: judged.evidence for judged in judgements}
     try:
         return {
             case: door.run(Request(case, "plain", evidence.field, evidence.isovalue))
             for case, evidence in wanted.items()
+            if evidence is not None
         }
     finally:
         door.close()

@@ -30,7 +30,7 @@ from isoref.field import Field
 
 from isograde.claims import CLAIMS
 from isograde.doors import open_door
-from isograde.fields import all_cases
+from isograde.fields import all_cases, blocks
 from isograde.fields.volumes import VolumeError
 from isograde.model import (
     Case,
@@ -52,6 +52,8 @@ SHOWN_SAMPLES = 2200
 # Give up on an implementation that ran out of time so many times in a row.
 PATIENCE = 8
 JUDGE_FAULT = "the grader's judge failed"
+# Verdicts that say something went wrong; the rest say that nothing was seen, or all was well.
+BAD = (Verdict.FAIL, Verdict.ERROR, Verdict.CRASH, Verdict.TIMEOUT)
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ def _select(
     """The claims and the cases that `only` and `full` leave."""
     claim_ids = [name for name in claims if _matches(name, options.only)]
     case_ids = [name for name in cases if _matches(name, options.only)]
+    case_ids += [name for name in options.only if name not in cases and _is_block(name, cases)]
     kept = {name: claims[name] for name in claim_ids or claims}
     if options.only and not claim_ids and not case_ids:
         return {}, {}
@@ -138,6 +141,12 @@ def _select(
         if options.full or name in options.only or "full" not in cases[name].tags
     }
     return kept, shown
+
+
+def _is_block(name: str, cases: Mapping[str, Case]) -> bool:
+    """Whether this names a block of a known case."""
+    named = blocks.parse(name)
+    return named is not None and named[0] in cases
 
 
 def _matches(name: str, globs: Sequence[str]) -> bool:
@@ -193,7 +202,7 @@ class Worker:
         findings = {}
         for claim in sorted(claims, key=lambda claim: claim.needs_mesh):
             findings[claim.id] = self._decide(claim, trial, outcomes)
-        failed = any(finding.verdict is Verdict.FAIL for finding in findings.values())
+        failed = any(finding.verdict in BAD for finding in findings.values())
         shown = failed and case.samples <= SHOWN_SAMPLES
         evidence = Evidence(field, case.isovalue, outcomes) if shown else None
         seconds = time.perf_counter() - start

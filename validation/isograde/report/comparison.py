@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from isograde.report import words
 from isograde.report.markdown import MARK
 from isograde.report.page import environment
-from isograde.report.record import BAD, Report
+from isograde.report.record import Report
+from isograde.runner import BAD
 
 
 @dataclass(frozen=True)

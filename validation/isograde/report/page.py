@@ -10,7 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from isograde.model import LEVELS
 from isograde.report import words
 from isograde.report.picture import picture
-from isograde.report.record import Report, Summary
+from isograde.report.record import JSON, Report, Summary
 from isograde.report.snippet import snippet
 
 FAMILIES = {
@@ -77,11 +77,7 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
     """A failed claim with its pictures and the lines that reproduce it."""
     record = report.evidence.get(summary.id)
     tie = report.header["implementation"]["conventions"]["tie"]
-    pictures = []
-    if record is not None:
-        pictures.append((report.name, picture(record, "came", "what came back", tie)))
-        if "faces" in record.get("legal", {}):
-            pictures.append(("a legal answer", picture(record, "legal", "a legal answer")))
+    pictures = _pictures(report.name, record, tie) if record is not None else []
     return {
         "summary": summary,
         "failure": summary.failure,
@@ -90,6 +86,18 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
         "command": words.reproduce(report, summary),
         "snippet": snippet(report, summary),
     }
+
+
+def _pictures(name: str, record: JSON, tie: str) -> list[tuple[str, str]]:
+    """What came, and beside it what contradicts it: a variant's answer, or a legal one."""
+    shown = [(name, picture(record, record["came"], name, tie))]
+    posed = record.get("posed")
+    if posed is not None and "faces" in posed.get("came", {}):
+        caption = f"{name}, {posed['meaning']}; brought back"
+        shown.append((caption, picture(record, posed["came"], caption, tie)))
+    elif posed is None and "faces" in record.get("legal", {}):
+        shown.append(("a legal answer", picture(record, record["legal"], "a legal answer")))
+    return shown
 
 
 def _number(value: Any) -> str:

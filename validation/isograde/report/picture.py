@@ -67,9 +67,9 @@ def _axes() -> Floats:
 
 
 def picture(
-    record: Mapping[str, Any], which: str = "came", label: str = "", tie: str = "inside"
+    record: Mapping[str, Any], mesh: Mapping[str, Any], label: str = "", tie: str = "inside"
 ) -> str:
-    """The SVG of an evidence record: the mesh that `came`, or the `legal` one.
+    """The SVG of an evidence record's field, with one of the meshes that belong to it.
 
     `tie` is the side on which a sample equal to the isovalue counts.
     """
@@ -77,7 +77,6 @@ def picture(
     values = np.asarray(record["values"], np.float64).reshape(shape)
     level = record["isovalue"]
     inside = values >= level if tie == "inside" else values > level
-    mesh = record[which]
     view = View.of(shape)
     parts = [*_lattice(view, shape), *_samples(view, values, inside)]
     if "faces" in mesh:

@@ -32,15 +32,18 @@ from typing import Any, TextIO
 
 import jsonschema
 import numpy as np
+from isoref.field import Field, Floats, Integers
 
-from isograde.model import LEVELS, Case, Claim, Declaration, Finding, Verdict
-from isograde.runner import JUDGE_FAULT, Evidence, Judged, Options
+from isograde.model import LEVELS, Case, Claim, Declaration, Finding, Outcome, Verdict
+from isograde.runner import BAD, JUDGE_FAULT, Evidence, Judged, Options
+from isograde.variants import VARIANTS, pose
 
 FORMAT = 1
 LIBRARIES = (
     "isograde", "numpy", "scipy", "scikit-image", "pymeshlab", "manifold3d", "trimesh",
     "PyMCubes", "vtk", "libigl", "nibabel", "pyvista",
 )  # fmt: skip
+KINDS = ("header", "claim", "case", "result", "evidence", "footer")
 JSON = dict[str, Any]
 
 
@@ -150,50 +153,76 @@ def _finding_record(claim: str, finding: Finding) -> JSON:
     return record
 
 
-def evidence_record(claim: str, case: str, evidence: Evidence, legal: Any = None) -> JSON:
-    """The smallest failed case of a claim; `legal` is the outcome of an implementation that passes.
+def evidence_record(claim: str, judged: Judged, of: str = "", legal: Outcome | None = None) -> JSON:
+    """The smallest failed case of a claim.
 
-    Of the variants only the one that the judge named is kept beside the plain outcome.
+    `of` is the case it is a block of, and `legal` what an implementation that passes made of it. Of
+    the variants the one that the judge named is kept.
     """
-    field, plain = evidence.field, evidence.outcomes["plain"]
+    evidence, finding = judged.evidence, judged.findings[claim]
+    assert evidence is not None, "only a case that was kept whole can be shown"
     record: JSON = {
         "kind": "evidence",
         "claim": claim,
-        "case": case,
-        "shape": list(field.shape),
-        "spacing": list(field.spacing),
-        "origin": list(field.origin),
-        "dtype": str(field.values.dtype),
-        "isovalue": evidence.isovalue,
-        "values": _numbers(field.values),
-        "came": _mesh_record(plain),
+        "case": judged.case,
+        "of": of,
+        "finding": _finding_record(claim, finding),
+        **_field_record(evidence.field, evidence.isovalue),
+        "came": _mesh_record(evidence.outcomes["plain"]),
     }
     if legal is not None:
         record["legal"] = _mesh_record(legal)
+    posed = _posed_record(evidence, str(finding.numbers.get("variant", "")))
+    if posed is not None:
+        record["posed"] = posed
     return record
 
 
-def _mesh_record(outcome: Any) -> JSON:
+def _field_record(field: Field, isovalue: float) -> JSON:
+    """The samples, in the array's order, and their place."""
+    return {
+        "shape": list(field.values.shape),
+        "spacing": list(field.spacing),
+        "origin": list(field.origin),
+        "dtype": str(field.values.dtype),
+        "isovalue": isovalue,
+        "values": np.asarray(field.values).ravel().tolist(),
+    }
+
+
+def _posed_record(evidence: Evidence, name: str) -> JSON | None:
+    """A variant of the case: how it was posed, and its answer brought back to the plain field."""
+    variant, outcome = VARIANTS.get(name), evidence.outcomes.get(name)
+    posed = pose(name, evidence.field, evidence.isovalue) if variant is not None else None
+    if variant is None or outcome is None or posed is None:
+        return None
+    field, isovalue = posed
+    record: JSON = {"variant": name, "meaning": variant.meaning, **_field_record(field, isovalue)}
+    mesh = outcome.mesh
+    if mesh is None or mesh.vertices.shape[1] != field.dimension or field.values.size == 0:
+        return {**record, "came": {"status": outcome.status.value, "detail": outcome.detail}}
+    if field.dimension != evidence.field.dimension:
+        return record
+    places = (mesh.vertices - np.asarray(field.origin)) / np.asarray(field.spacing)
+    vertices = evidence.field.position(variant.back(places, evidence.field))
+    faces = mesh.simplices[:, ::-1] if variant.reflects else mesh.simplices
+    return {**record, "came": {"status": "ok", **_arrays_record(vertices, faces)}}
+
+
+def _mesh_record(outcome: Outcome) -> JSON:
     """Vertices and faces of an outcome, or what became of it."""
     mesh = outcome.mesh
     if mesh is None:
         return {"status": outcome.status.value, "detail": outcome.detail}
+    return {"status": outcome.status.value, **_arrays_record(mesh.vertices, mesh.simplices)}
+
+
+def _arrays_record(vertices: Floats, faces: Integers) -> JSON:
+    """Vertices to nine digits, which is what a picture needs, and faces."""
     return {
-        "status": outcome.status.value,
-        "vertices": [[_short(x) for x in row] for row in mesh.vertices.tolist()],
-        "faces": mesh.simplices.tolist(),
+        "vertices": [[float(f"{x:.9g}") for x in row] for row in vertices.tolist()],
+        "faces": faces.tolist(),
     }
-
-
-def _numbers(values: Any) -> list[Any]:
-    """The samples in the array's order, each as short as it reads back the same."""
-    flat: list[Any] = np.asarray(values).ravel().tolist()
-    return flat
-
-
-def _short(number: float) -> float:
-    """The number to nine digits, which is what a picture needs."""
-    return float(f"{number:.9g}")
 
 
 @dataclass
@@ -261,12 +290,13 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Failure:
-    """The smallest case on which a claim failed."""
+    """The smallest case on which a claim failed; `of` is the case it is a block of, or empty."""
 
     case: str
     samples: int
     detail: str
     numbers: Mapping[str, Any]
+    of: str = ""
 
 
 @dataclass
@@ -307,9 +337,6 @@ class Summary:
         if self.counts[Verdict.PASS.value]:
             return "pass"
         return "unsupported" if self.counts[Verdict.UNSUPPORTED.value] else "not judged"
-
-
-BAD = (Verdict.FAIL, Verdict.ERROR, Verdict.CRASH, Verdict.TIMEOUT)
 
 
 @dataclass
@@ -365,6 +392,11 @@ class Report:
                 summaries[name].counts[Verdict.PASS.value] += 1
             for finding in result["findings"]:
                 self._add(summaries[finding["claim"]], result["case"], finding)
+        for name, record in self.evidence.items():
+            found, samples = record["finding"], int(np.prod(record["shape"]))
+            summaries[name].failure = Failure(
+                record["case"], samples, found["detail"], found.get("numbers", {}), record["of"]
+            )
         return summaries
 
     def _add(self, summary: Summary, case: str, finding: JSON) -> None:
@@ -442,7 +474,7 @@ def _checked(line: str, place: str) -> JSON:
     except json.JSONDecodeError as error:
         raise ReportError(f"{place} is not JSON: {error}") from error
     kind = record.get("kind") if isinstance(record, dict) else None
-    if kind not in schema()["$defs"] or kind in {"verdict", "mesh"}:
+    if kind not in KINDS:
         raise ReportError(f"{place} is no record of a report: kind {kind!r}")
     fault = jsonschema.exceptions.best_match(_validator(kind).iter_errors(record))
     if fault is not None:

@@ -7,12 +7,12 @@ command that grades the case again.
 
 from __future__ import annotations
 
-from textwrap import dedent, indent
+from textwrap import indent
 from typing import Any
 
 import numpy as np
 
-from isograde.report.record import Report, Summary
+from isograde.report.record import JSON, Report, Summary
 
 # Print samples up to this many.
 PRINTED = 200
@@ -20,59 +20,92 @@ PRINTED = 200
 SKIMAGE = """
 from skimage.measure import marching_cubes
 
-vertices, faces, *_ = marching_cubes(values, isovalue, spacing=spacing, method="{method}")
+
+def extract(values, isovalue, spacing):
+    return marching_cubes(values, isovalue, spacing=spacing, method="{rest}")[:2]
 """
 ISOREF = """
-from isoref import extract
+from isoref import extract as isoref_extract
 
-mesh = extract(values, isovalue, spacing, method="{method}")
-vertices, faces = mesh.vertices, mesh.simplices
+
+def extract(values, isovalue, spacing):
+    mesh = isoref_extract(values, isovalue, spacing, method="{rest}")
+    return mesh.vertices, mesh.simplices
 """
-MCUBES = """
+PYMCUBES = """
 import mcubes
 
-vertices, faces = mcubes.marching_cubes(values, isovalue)
+
+def extract(values, isovalue, spacing):
+    return mcubes.marching_cubes(values, isovalue)
 """
 TRIMESH = """
 from trimesh.voxel.ops import matrix_to_marching_cubes
 
-mesh = matrix_to_marching_cubes(values >= isovalue)
-vertices, faces = mesh.vertices, mesh.faces
+
+def extract(values, isovalue, spacing):
+    mesh = matrix_to_marching_cubes(values >= isovalue, pitch=spacing)
+    return mesh.vertices, mesh.faces
 """
 LIBIGL = """
 import igl
 
-index = np.stack(np.meshgrid(*map(np.arange, values.shape), indexing="ij"), -1)
-points = index.transpose(2, 1, 0, 3).reshape(-1, 3) * np.asarray(spacing)
-samples = np.ascontiguousarray(values.T.ravel())
-vertices, faces, *_ = igl.marching_cubes(samples, points, *values.shape, isovalue)
+
+def extract(values, isovalue, spacing):
+    index = np.stack(np.meshgrid(*map(np.arange, values.shape), indexing="ij"), -1) * spacing
+    points = np.stack([index[..., axis].ravel(order="F") for axis in range(3)], axis=1)
+    samples = values.astype(float).ravel(order="F")
+    return igl.marching_cubes(samples, points, *values.shape, isovalue)[:2]
+"""
+VTK = """
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+
+def extract(values, isovalue, spacing):
+    image = vtk.vtkImageData()
+    image.SetDimensions(values.shape)
+    image.SetSpacing(spacing)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(order="F"), deep=True))
+    contour = vtk.{rest}()
+    contour.SetInputData(image)
+    contour.SetValue(0, isovalue)
+    contour.Update()
+    surface = contour.GetOutput()
+    if surface.GetNumberOfCells() == 0:
+        return np.empty((0, 3)), np.empty((0, 3), int)
+    faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return vtk_to_numpy(surface.GetPoints().GetData()), faces
 """
 PYTHON = """
-from {module} import {function}
-
-vertices, faces = {function}(values, isovalue, spacing)
+from {module} import {function} as extract
 """
-
 CALLS = {
     "skimage": SKIMAGE,
     "isoref": ISOREF,
-    "pymcubes": MCUBES,
-    "mcubes": MCUBES,
+    "pymcubes": PYMCUBES,
+    "trimesh": TRIMESH,
     "libigl": LIBIGL,
+}
+FILTERS = {
+    "vtk:marching-cubes": "vtkMarchingCubes",
+    "vtk:flying-edges": "vtkFlyingEdges3D",
+    "vtk:contour-filter": "vtkContourFilter",
 }
 
 SHOW_OPEN = """
-# Edges that one triangle has and no other: a closed surface has none inside the volume.
+# Edges that one triangle has and no other: inside the volume a closed surface has none.
 edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
 ends, uses = np.unique(edges, axis=0, return_counts=True)
-for edge in vertices[ends[uses == 1]]:
-    print("open edge from", edge[0], "to", edge[1])
+for a, b in vertices[ends[uses == 1]]:
+    print("open edge from", a, "to", b)
 """
 SHOW_CROWDED = """
 # Edges that more than two triangles share.
 edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
 ends, uses = np.unique(edges, axis=0, return_counts=True)
-print(vertices[ends[uses > 2]])
+for a, b in vertices[ends[uses > 2]]:
+    print("crowded edge from", a, "to", b)
 """
 SHOW_TWICE = """
 # Triangles that are there more than once.
@@ -89,40 +122,65 @@ print(faces)
 """
 SHOWS = {
     "topology.closed": SHOW_OPEN,
+    "robustness.ties": SHOW_OPEN,
     "topology.edge_manifold": SHOW_CROWDED,
     "structure.no_duplicate_face": SHOW_TWICE,
     "structure.all_used": SHOW_UNUSED,
 }
+PLAIN = "vertices, faces = extract(values, isovalue, spacing)\n"
+BOTH = """
+for samples, level, steps in ((values, isovalue, spacing), (posed, posed_isovalue, posed_spacing)):
+    vertices, faces = extract(samples, level, steps)
+    print(vertices)
+    print(faces)
+"""
 
 
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
-    record, failure = report.evidence.get(summary.id), summary.failure
-    call = calling(report.spec)
-    if record is None or failure is None or call is None or len(record["values"]) > PRINTED:
+    record, call = report.evidence.get(summary.id), calling(report.spec)
+    if record is None or call is None or len(record["values"]) > PRINTED:
         return None
-    show = SHOWS.get(summary.id, SHOW_ALL)
-    return "\n".join([*_samples(record), call.strip(), "", show.strip()]) + "\n"
+    lines = ["import numpy as np", call.strip(), "", ""]
+    if _has_nan(record.get("posed", record)):
+        lines += ["nan = np.nan", ""]
+    lines.append(_samples(record))
+    if "posed" in record:
+        lines.append(f"# The same, {record['posed']['meaning']}.")
+        lines += [_samples(record["posed"], "posed", "posed_"), BOTH.strip()]
+    else:
+        lines += [PLAIN, SHOWS.get(summary.id, SHOW_ALL).strip()]
+    return "\n".join(lines) + "\n"
 
 
 def calling(spec: str) -> str | None:
-    """The lines that call an implementation as its users do; None where there is no such way."""
+    """The lines that define `extract` as the implementation's users call it; None if none do."""
     kind, _, rest = spec.partition(":")
     if kind == "python":
         module, _, function = rest.rpartition(":")
         return PYTHON.format(module=module, function=function) if "/" not in module else None
-    return CALLS[kind].format(method=rest) if kind in CALLS else None
+    if spec in FILTERS:
+        return VTK.format(rest=FILTERS[spec])
+    return CALLS[kind].format(rest=rest) if kind in CALLS else None
 
 
-def _samples(record: dict[str, Any]) -> list[str]:
-    """The lines that make `values`, `isovalue` and `spacing`."""
-    values = np.asarray(record["values"], record["dtype"]).reshape(record["shape"])
+def _has_nan(record: JSON) -> bool:
+    """Whether a sample is not a number."""
+    return any(isinstance(value, str) for value in [record["isovalue"], *record["values"]])
+
+
+def _samples(record: JSON, name: str = "values", prefix: str = "") -> str:
+    """The lines that make the samples, the isovalue and the spacing."""
+    numbers = [float(value) if isinstance(value, str) else value for value in record["values"]]
+    values = np.asarray(numbers, record["dtype"]).reshape(record["shape"])
+    start = f"{name} = np.array("
     printed = np.array2string(values, separator=", ", threshold=PRINTED + 1, floatmode="unique")
+    rows = indent(printed, " " * len(start)).strip().replace("\n\n", "\n")
     dtype = f', dtype="{record["dtype"]}"' if record["dtype"] != "float64" else ""
-    return [
-        "import numpy as np",
-        "",
-        f"values = np.array({indent(dedent(printed), ' ' * 18).strip()}{dtype})",
-        f"isovalue, spacing = {record['isovalue']}, {tuple(record['spacing'])}",
-        "",
-    ]
+    if not values.size:
+        rows = f"np.empty({values.shape})"
+    spacing: Any = tuple(record["spacing"])
+    return (
+        f"{start}{rows}{dtype})\n"
+        f"{prefix}isovalue, {prefix}spacing = {record['isovalue']}, {spacing}\n"
+    )

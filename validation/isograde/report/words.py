@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from shlex import quote
+
 from isograde.model import LEVELS
 from isograde.report.record import Report, Summary
 
@@ -49,4 +51,5 @@ def reproduce(report: Report, summary: Summary) -> str:
     """The command that judges the smallest failed case again."""
     assert summary.failure is not None
     seed = f" --seed {report.header['seed']}" if report.header["seed"] else ""
-    return f"isograde grade {report.spec} --only {summary.failure.case}{seed}"
+    only = " ".join(f"--only {quote(name)}" for name in (summary.failure.case, summary.id))
+    return f"isograde grade {quote(report.spec)} {only}{seed}"
