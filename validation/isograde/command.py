@@ -34,8 +34,8 @@ from isograde.frequencies import frequencies
 from isograde.grading import grade as grade_one
 from isograde.model import LEVELS, Case, Claim, DoorError, Limits, Request, Verdict
 from isograde.report import comparison, record, words
-from isograde.variants import pose
 from isograde.runner import BAD, NothingToRun, Options, plan, processors
+from isograde.variants import pose
 
 app = typer.Typer(
     name="isograde",

@@ -70,7 +70,7 @@ def no_repeated_index(trial: Trial) -> Finding:
 
 
 def no_duplicate_face(trial: Trial) -> Finding:
-    """Pass when no two faces name the same three vertices, but at a tied sample, where sheets touch."""
+    """Pass when no two faces name the same three vertices, but where sheets touch at a tie."""
     _, faces = _arrays(trial)
     if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
         return passed()
