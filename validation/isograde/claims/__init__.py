@@ -9,12 +9,14 @@ from isograde.claims import (
     structure,
     symmetry,
     topology,
+    trilinear,
 )
 from isograde.model import Claim
 
 FAMILIES = (
     structure,
     topology,
+    trilinear,
     geometry,
     cases,
     frequencies,
