@@ -1,0 +1,638 @@
+"""Small implementations to test the grader with: correct ones, and broken ones.
+
+The grader is graded: for every claim there is a miniature that only this claim, and what follows
+from it, catches; and every correct miniature passes everything, whatever its conventions and
+legal choices.
+
+All are made of one plain extractor, `extract`. Its parts can be exchanged: how an ambiguous face
+is decided, where a crossing is put, how a polygon is cut into triangles. It has its own numbering,
+by half steps: twice the index coordinates, so that a node on a lattice edge has one odd number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from dataclasses import field as fresh
+from functools import cache, partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+from isograde.doors.conventions import to_house
+from isograde.model import Conventions, Declaration, Limits, Outcome, Request, Status
+from isoref.field import Array, Floats, Integers
+
+Place = tuple[int, int, int]
+Answer = tuple[Any, Any]
+Function = Callable[[Array, float, tuple[float, ...]], Answer]
+# Whether an ambiguous face joins its inside corners, from its corner values in a ring, less the
+# isovalue, its middle in half steps, and the number of the cell's inside corners.
+Decide = Callable[[list[float], Place, int], bool]
+Cut = Callable[[Sequence[Place]], list[Sequence[Place | None]]]
+
+CORNERS: tuple[Place, ...] = tuple((a, b, c) for a in (0, 2) for b in (0, 2) for c in (0, 2))
+# Corners of each face in a ring, counter-clockwise seen from outside the cell.
+RINGS: dict[Place, tuple[Place, Place, Place, Place]] = {
+    (0, 1, 1): ((0, 0, 0), (0, 0, 2), (0, 2, 2), (0, 2, 0)),
+    (2, 1, 1): ((2, 0, 0), (2, 2, 0), (2, 2, 2), (2, 0, 2)),
+    (1, 0, 1): ((0, 0, 0), (2, 0, 0), (2, 0, 2), (0, 0, 2)),
+    (1, 2, 1): ((0, 2, 0), (0, 2, 2), (2, 2, 2), (2, 2, 0)),
+    (1, 1, 0): ((0, 0, 0), (0, 2, 0), (2, 2, 0), (2, 0, 0)),
+    (1, 1, 2): ((0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+}
+
+
+def add(a: Place, b: Place) -> Place:
+    """The sum of two places."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def middle(a: Place, b: Place) -> Place:
+    """The place between two others."""
+    return (a[0] + b[0]) // 2, (a[1] + b[1]) // 2, (a[2] + b[2]) // 2
+
+
+# How an ambiguous face is decided: whether its inside corners are joined.
+
+
+def apart(_ring: list[float], _place: Place, _count: int) -> bool:
+    """Never."""
+    return False
+
+
+def together(_ring: list[float], _place: Place, _count: int) -> bool:
+    """Always."""
+    return True
+
+
+def asymptotic(ring: list[float], _place: Place, _count: int) -> bool:
+    """Where the bilinear interpolant's saddle is inside (Nielson & Hamann)."""
+    a, b, c, d = ring
+    inside = a * c - b * d
+    return inside > 0 if a >= 0 else inside < 0
+
+
+def by_mean(ring: list[float], _place: Place, _count: int) -> bool:
+    """Where the mean of the four values is inside (VESTA's mixed mode)."""
+    return sum(ring) >= 0
+
+
+def by_axis(_ring: list[float], place: Place, _count: int) -> bool:
+    """On faces across the last axis."""
+    return place[2] % 2 == 0
+
+
+def by_place(_ring: list[float], place: Place, _count: int) -> bool:
+    """On every other face, like a chessboard."""
+    return sum(x // 2 for x in place) % 2 == 0
+
+
+def by_cell(_ring: list[float], _place: Place, count: int) -> bool:
+    """In cells with more inside corners than outside ones: two answers for a face (1987)."""
+    return count > 4
+
+
+# How a polygon is cut into triangles; None stands for a new vertex in its middle.
+
+
+def fan_from(polygon: Sequence[Place], start: int) -> list[Sequence[Place | None]]:
+    """Triangles that all have one corner in common."""
+    turned = [*polygon[start:], *polygon[:start]]
+    return [(turned[0], turned[i], turned[i + 1]) for i in range(1, len(turned) - 1)]
+
+
+def chords_in_faces(polygon: Sequence[Place], start: int) -> int:
+    """How many chords of a fan lie in a face of the cell."""
+    turned = [*polygon[start:], *polygon[:start]]
+    return sum(
+        any(p == q and p != 1 for p, q in zip(turned[0], end, strict=True)) for end in turned[2:-1]
+    )
+
+
+def star(polygon: Sequence[Place]) -> list[Sequence[Place | None]]:
+    """Triangles round a new vertex."""
+    return [(None, p, q) for p, q in zip(polygon, [*polygon[1:], polygon[0]], strict=True)]
+
+
+def careful_fan(polygon: Sequence[Place]) -> list[Sequence[Place | None]]:
+    """A fan without chords in faces, or a star where there is none."""
+    for start in range(len(polygon)):
+        if not chords_in_faces(polygon, start):
+            return fan_from(polygon, start)
+    return star(polygon)
+
+
+def careless_fan(polygon: Sequence[Place]) -> list[Sequence[Place | None]]:
+    """The fan with the most chords in faces."""
+    return fan_from(polygon, max(range(len(polygon)), key=lambda s: chords_in_faces(polygon, s)))
+
+
+@cache
+def polygons(inside: tuple[bool, ...], joined: tuple[bool, ...]) -> tuple[tuple[Place, ...], ...]:
+    """The cell's oriented polygons, from its corners' sides and its ambiguous faces' decisions."""
+    side = dict(zip(CORNERS, inside, strict=True))
+    following: dict[Place, Place] = {}
+    for together_here, ring in zip(joined, RINGS.values(), strict=True):
+        turn = [(i, middle(ring[i], ring[(i + 1) % 4])) for i in range(4)]
+        enter = [i for i, _ in turn if not side[ring[i]] and side[ring[(i + 1) % 4]]]
+        leave = [i for i, _ in turn if side[ring[i]] and not side[ring[(i + 1) % 4]]]
+        for i in enter:
+            # Go on to the next edge that leaves, or back to the one before.
+            steps = (3, 2, 1) if together_here else (1, 2, 3)
+            j = next((i + s) % 4 for s in steps if (i + s) % 4 in leave)
+            following[turn[i][1]] = turn[j][1]
+    found = []
+    while following:
+        start, at = following.popitem()
+        polygon = [start]
+        while at != start:
+            polygon.append(at)
+            at = following.pop(at)
+        found.append(tuple(polygon))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The exchangeable parts of `extract`."""
+
+    decide: Decide = apart
+    cut: Cut = careful_fan
+    tie_inside: bool = True
+    midpoints: bool = False
+    shared_middle: bool = False
+
+
+def extract(
+    values: Array, isovalue: float, spacing: tuple[float, ...], parts: Parts = Parts()
+) -> Answer:
+    """The isosurface as (vertices, faces), cell by cell; raises `ValueError` on bad input."""
+    check(values, isovalue)
+    level = values.astype(np.float64) - isovalue
+    inside = level >= 0 if parts.tie_inside else level > 0
+    points: list[list[float]] = []
+    known: dict[Place, int] = {}
+    faces: list[list[int]] = []
+    for cell in product(*(range(n - 1) for n in values.shape)):
+        origin = (2 * cell[0], 2 * cell[1], 2 * cell[2])
+        corners = {c: sample(add(origin, c)) for c in CORNERS}
+        sides = tuple(bool(inside[corners[c]]) for c in CORNERS)
+        if len(set(sides)) == 1:
+            continue
+        joined = tuple(
+            is_ambiguous([bool(inside[corners[c]]) for c in ring])
+            and parts.decide(
+                [float(level[corners[c]]) for c in ring], add(origin, face), sum(sides)
+            )
+            for face, ring in RINGS.items()
+        )
+        shared: int | None = None
+        for polygon in polygons(sides, joined):
+            ids = {p: vertex(add(origin, p), level, known, points, parts) for p in polygon}
+            inner: int | None = shared
+            for triangle in parts.cut(polygon):
+                if None in triangle and inner is None:
+                    inner = len(points)
+                    points.append(np.mean([points[i] for i in ids.values()], axis=0).tolist())
+                names = [inner if p is None else ids[p] for p in triangle]
+                faces.append([name for name in names if name is not None])
+            shared = inner if parts.shared_middle else None
+    vertices = np.array(points, np.float64).reshape(-1, 3) * spacing
+    return vertices, np.array(faces, np.int64).reshape(-1, 3)
+
+
+def check(values: Array, isovalue: float) -> None:
+    """Nothing, for a field of rank three with samples; else `ValueError`."""
+    if values.ndim != 3 or not values.size:
+        raise ValueError(f"samples of shape {values.shape} are no field of rank three")
+    if not np.isfinite(values).all() or not np.isfinite(isovalue):
+        raise ValueError("samples and isovalue must be finite")
+
+
+def sample(place: Place) -> Place:
+    """The index of the sample at a place."""
+    return place[0] // 2, place[1] // 2, place[2] // 2
+
+
+def is_ambiguous(ring: list[bool]) -> bool:
+    """Opposite corners of the face are on one side, neighbours on different ones."""
+    return ring[0] == ring[2] != ring[1] == ring[3]
+
+
+def vertex(
+    node: Place, level: Floats, known: dict[Place, int], points: list[list[float]], parts: Parts
+) -> int:
+    """The number of the vertex on this lattice edge."""
+    if node not in known:
+        axis = next(a for a in range(3) if node[a] % 2)
+        low = sample(node)
+        high = add(low, (int(axis == 0), int(axis == 1), int(axis == 2)))
+        share = 0.5 if parts.midpoints else float(level[low] / (level[low] - level[high]))
+        point = [float(x) for x in low]
+        point[axis] += share
+        known[node] = len(points)
+        points.append(point)
+    return known[node]
+
+
+def made(**changes: Any) -> Function:
+    """`extract` with these parts."""
+    return partial(extract, parts=replace(Parts(), **changes))
+
+
+plain = made()
+
+
+@dataclass(frozen=True)
+class Miniature:
+    """An implementation with what is known of it.
+
+    breaks : the claim that catches it, or nothing for a correct one
+    follows : claims that may fail as a consequence
+    """
+
+    name: str
+    run: Function
+    breaks: str = ""
+    follows: tuple[str, ...] = ()
+    conventions: Conventions = fresh(default_factory=Conventions)
+    without: frozenset[str] = frozenset()
+    level: int = 2
+
+
+class Inside:
+    """A door to a miniature in this very process."""
+
+    def __init__(self, miniature: Miniature) -> None:
+        self.miniature = miniature
+
+    def open(self, limits: Limits) -> Declaration:
+        """What the miniature declares."""
+        m = self.miniature
+        return Declaration(m.name, level=m.level, conventions=m.conventions, without=m.without)
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome of one call, in the house's conventions."""
+        values = request.field.values.copy(order="K")
+        values = np.lib.stride_tricks.as_strided(values, values.shape, values.strides)
+        before = values.copy()
+        try:
+            vertices, faces = self.miniature.run(values, request.isovalue, request.field.spacing)
+        except ValueError as error:
+            outcome = Outcome(Status.RAISED, detail=str(error))
+        else:
+            changed = not np.array_equal(before, values, equal_nan=values.dtype.kind == "f")
+            outcome = Outcome(Status.OK, vertices, faces, input_changed=changed)
+        return to_house(outcome, request, self.miniature.conventions)
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+# Broken in what they do to the right answer.
+
+Change = Callable[[Floats, Integers], Answer]
+
+
+def changed(change: Change, base: Function = plain) -> Function:
+    """The right answer, changed in index coordinates where there is one."""
+
+    def run(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+        vertices, faces = base(values, isovalue, (1.0, 1.0, 1.0))
+        if len(faces):
+            vertices, faces = change(vertices, faces)
+        return vertices * np.asarray(spacing, vertices.dtype), faces
+
+    return run
+
+
+def with_nan(v: Floats, f: Integers) -> Answer:
+    """The first vertex is nowhere."""
+    v = v.copy()
+    v[0, 0] = np.nan
+    return v, f
+
+
+def with_far_index(v: Floats, f: Integers) -> Answer:
+    """A face more, which names the vertex after the last."""
+    return v, np.concatenate([f, [[0, 1, len(v)]]])
+
+
+def with_collapsed_face(v: Floats, f: Integers) -> Answer:
+    """A face more, which names a vertex twice."""
+    return v, np.concatenate([f, f[:1, [0, 0, 1]]])
+
+
+def with_spare_vertex(v: Floats, f: Integers) -> Answer:
+    """A vertex more, which nobody names."""
+    return np.concatenate([v, v[:1]]), f
+
+
+def with_purse(v: Floats, f: Integers) -> Answer:
+    """A triangle inside a cell, there and back."""
+    return _with_inner(v, f, np.array([[0, 1, 2], [2, 1, 0]]), 3)
+
+
+def with_bubble(v: Floats, f: Integers) -> Answer:
+    """A closed tetrahedron inside a cell."""
+    return _with_inner(v, f, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]), 4)
+
+
+def _with_inner(v: Floats, f: Integers, more: Integers, count: int) -> Answer:
+    """Faces more on new vertices near the middle of the first triangle."""
+    base = v[f[0]].mean(axis=0)
+    shape = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])[:count]
+    return np.concatenate([v, base + 0.001 * (shape + np.array([1, 2, 3]))]), np.concatenate(
+        [f, more + len(v)]
+    )
+
+
+def with_flipped_face(v: Floats, f: Integers) -> Answer:
+    """The first face turned over."""
+    f = f.copy()
+    f[0] = f[0, ::-1]
+    return v, f
+
+
+def with_bent_border(v: Floats, f: Integers) -> Answer:
+    """A vertex more in the middle of every edge between cells."""
+    edges: dict[tuple[int, int], int] = {}
+    points, faces = list(v), []
+    for face in f.tolist():
+        ring: list[int] = []
+        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+            ring.append(a)
+            whole = np.isclose(v[a], v[b]) & np.isclose(v[a], np.rint(v[a]))
+            if whole.any():
+                key = (min(a, b), max(a, b))
+                if key not in edges:
+                    edges[key] = len(points)
+                    points.append((v[a] + v[b]) / 2)
+                ring.append(edges[key])
+        start = next((i for i, p in enumerate(ring) if p >= len(v)), 0)
+        ring = [*ring[start:], *ring[:start]]
+        faces += [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
+    return np.array(points), np.array(faces)
+
+
+def with_flipped_diagonal(v: Floats, f: Integers) -> Answer:
+    """An edge between two cells exchanged for the other diagonal of its two triangles."""
+    for one in range(len(f)):
+        for other in range(one + 1, len(f)):
+            a, b = shared_edge(f[one], f[other])
+            if a < 0 or not across_cells(v[f[one]], v[f[other]]):
+                continue
+            c = next(x for x in f[one] if x not in (a, b))
+            d = next(x for x in f[other] if x not in (a, b))
+            if any({c, d} <= set(face) for face in f.tolist()):
+                continue
+            f = f.copy()
+            f[one], f[other] = (a, d, c), (d, b, c)
+            return v, f
+    return v, f
+
+
+def shared_edge(one: Integers, other: Integers) -> tuple[int, int]:
+    """The edge a→b of the first face that the second runs along from b to a, or -1, -1."""
+    back = {(int(other[(i + 1) % 3]), int(other[i])) for i in range(3)}
+    for i in range(3):
+        edge = (int(one[i]), int(one[(i + 1) % 3]))
+        if edge in back:
+            return edge
+    return -1, -1
+
+
+def across_cells(one: Floats, other: Floats) -> bool:
+    """The two triangles lie in different cells."""
+    return bool((np.floor(one.mean(axis=0)) != np.floor(other.mean(axis=0))).any())
+
+
+def turned_over(v: Floats, f: Integers) -> Answer:
+    """Every face turned over."""
+    return v, f[:, ::-1]
+
+
+def soup(v: Floats, f: Integers) -> Answer:
+    """Triangles that share no vertex."""
+    return v[f].reshape(-1, 3), np.arange(f.size).reshape(-1, 3)
+
+
+def as_quadrilaterals(v: Floats, f: Integers) -> Answer:
+    """Faces of four corners."""
+    return v, np.concatenate([f, f[:, :1]], axis=1)
+
+
+# Broken in what they make of their input.
+
+
+def raises_on_a_surface(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """No answer where there is something to answer."""
+    vertices, faces = plain(values, isovalue, spacing)
+    if len(faces):
+        raise ValueError("something went wrong")
+    return vertices, faces
+
+
+def by_size(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The polarity depends on how large the values are."""
+    check(values, isovalue)
+    large = float(values.max()) - float(values.min()) > 6
+    return made(decide=together if large else apart)(values, isovalue, spacing)
+
+
+def by_isovalue(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The polarity depends on the isovalue."""
+    return made(decide=together if isovalue > 0.9 else apart)(values, isovalue, spacing)
+
+
+def without_specks(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """Inside samples without an inside neighbour are taken for noise."""
+    check(values, isovalue)
+    inside = np.pad(values >= isovalue, 1, mode="edge")
+    beside = np.zeros_like(inside)
+    for axis in range(3):
+        beside |= np.roll(inside, 1, axis) | np.roll(inside, -1, axis)
+    core = (slice(1, -1),) * 3
+    speck = (inside & ~beside)[core]
+    return plain(np.where(speck, isovalue - 1, values), isovalue, spacing)
+
+
+def in_cubes(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """All three spacings are taken to be the first."""
+    return plain(values, isovalue, (spacing[0],) * 3)
+
+
+def reversed_axes(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """Vertices as (z, y, x), their normals still to lower values."""
+    vertices, faces = plain(values, isovalue, spacing)
+    return vertices[:, ::-1], faces[:, ::-1]
+
+
+def in_memory_order(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The samples are read as they lie in memory."""
+    return plain(values.ravel(order="K").reshape(values.shape), isovalue, spacing)
+
+
+def in_their_type(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The isovalue is taken off in the type of the samples."""
+    check(values, isovalue)
+    with np.errstate(over="ignore"):
+        return plain(values - values.dtype.type(isovalue), 0.0, spacing)
+
+
+def in_place(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The isovalue is taken off the caller's samples."""
+    check(values, isovalue)
+    if values.dtype.kind == "f":
+        values -= isovalue
+        return plain(values, 0.0, spacing)
+    return plain(values, isovalue, spacing)
+
+
+SHUFFLE = np.random.default_rng(0)
+
+
+def shuffled(v: Floats, f: Integers) -> Answer:
+    """The faces in an order that changes from call to call."""
+    return v, SHUFFLE.permutation(f)
+
+
+def forgives_nan(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """A sample that is not a number is taken for zero."""
+    return plain(np.nan_to_num(values), isovalue, spacing)
+
+
+def never_empty(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """A triangle where there should be nothing."""
+    vertices, faces = plain(values, isovalue, spacing)
+    return (vertices, faces) if len(faces) else (np.eye(3), np.array([[0, 1, 2]]))
+
+
+def takes_anything(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """A plane of samples has no surface, so nothing is said."""
+    if values.ndim != 3:
+        return np.empty((0, 3)), np.empty((0, 3), np.int64)
+    return plain(values, isovalue, spacing)
+
+
+def without_touching(v: Floats, f: Integers) -> Answer:
+    """Faces with a corner exactly on a sample are left out."""
+    touches = (v == np.rint(v)).all(axis=1)
+    return v, f[~touches[f].any(axis=1)]
+
+
+TIES_FOLLOW = ("robustness.ties",)
+# Two holes at a lattice edge cut the faces round its vertex into two fans.
+HOLES_FOLLOW = ("topology.vertex_manifold", *TIES_FOLLOW)
+
+CORRECT = (
+    Miniature("separates", plain),
+    Miniature("joins", made(decide=together)),
+    Miniature("asymptotic", made(decide=asymptotic), level=3),
+    Miniature("means", made(decide=by_mean)),
+    Miniature("inner vertices", made(cut=star)),
+    Miniature("joins, inner vertices", made(decide=together, cut=star)),
+    Miniature("ties outside", made(tie_inside=False), conventions=Conventions(tie="outside")),
+    Miniature("normals to high", changed(turned_over), conventions=Conventions(normals="to_high")),
+    Miniature(
+        "axes reversed",
+        reversed_axes,
+        conventions=Conventions(axes="reversed"),
+    ),
+    Miniature(
+        "in samples",
+        lambda values, isovalue, _: plain(values, isovalue, (1.0, 1.0, 1.0)),
+        conventions=Conventions(units="index"),
+    ),
+    Miniature("forgives NaN", forgives_nan, conventions=Conventions(nan="answers")),
+    Miniature("soup", changed(soup), without=frozenset({"welded"})),
+    Miniature("midpoints", made(midpoints=True), without=frozenset({"linear-crossing"})),
+    Miniature("chessboard", made(decide=by_place), without=frozenset({"symmetric-choices"})),
+    Miniature("by axis", made(decide=by_axis), without=frozenset({"symmetric-choices"})),
+    Miniature(
+        "single precision",
+        changed(lambda v, f: (v.astype(np.float32), f.astype(np.int32))),
+    ),
+    Miniature("unsigned faces", changed(lambda v, f: (v, f.astype(np.uint32)))),
+)
+
+BROKEN = (
+    Miniature("raises", raises_on_a_surface, "structure.answers"),
+    Miniature("quadrilaterals", changed(as_quadrilaterals), "structure.shapes"),
+    Miniature("NaN vertex", changed(with_nan), "structure.finite"),
+    Miniature("index too far", changed(with_far_index), "structure.in_range"),
+    Miniature("collapsed face", changed(with_collapsed_face), "structure.no_repeated_index"),
+    Miniature("purse", changed(with_purse), "structure.no_duplicate_face", ("counting.triangles",)),
+    Miniature("spare vertex", changed(with_spare_vertex), "structure.all_used"),
+    Miniature("1987", made(decide=by_cell), "topology.closed", HOLES_FOLLOW),
+    Miniature(
+        "careless fan",
+        made(decide=together, cut=careless_fan),
+        "topology.edge_manifold",
+        ("structure.no_duplicate_face", "cases.legal"),
+    ),
+    Miniature(
+        "shared middle",
+        made(cut=star, shared_middle=True),
+        "topology.vertex_manifold",
+        ("counting.triangles",),
+    ),
+    Miniature(
+        "flipped face",
+        changed(with_flipped_face),
+        "topology.oriented",
+        ("topology.facing", *TIES_FOLLOW),
+    ),
+    Miniature(
+        "no specks",
+        without_specks,
+        "topology.separates",
+        ("cases.legal", *TIES_FOLLOW),
+    ),
+    Miniature("turned over", changed(turned_over), "topology.facing"),
+    Miniature("fixed polarity", plain, "topology.bilinear", level=3),
+    Miniature("face means", made(decide=by_mean), "topology.bilinear", level=3),
+    Miniature(
+        "bent border",
+        changed(with_bent_border),
+        "geometry.on_edges",
+        ("cases.legal", "topology.bilinear"),
+    ),
+    Miniature("midpoints undeclared", made(midpoints=True), "geometry.linear_crossing"),
+    Miniature(
+        "flipped diagonal",
+        changed(with_flipped_diagonal),
+        "cases.legal",
+        ("symmetry.translation", "symmetry.orientation"),
+    ),
+    Miniature("bubble", changed(with_bubble), "counting.triangles"),
+    Miniature(
+        "chessboard undeclared",
+        made(decide=by_place),
+        "symmetry.translation",
+        ("symmetry.orientation",),
+    ),
+    Miniature("by size", by_size, "symmetry.scaling"),
+    Miniature("by isovalue", by_isovalue, "symmetry.shift"),
+    Miniature("by axis undeclared", made(decide=by_axis), "symmetry.orientation"),
+    Miniature("in cubes", in_cubes, "robustness.spacing"),
+    Miniature("memory order", in_memory_order, "robustness.layout"),
+    Miniature("their type", in_their_type, "robustness.dtype"),
+    Miniature("in place", in_place, "robustness.input_unmodified"),
+    Miniature("shuffled", changed(shuffled), "robustness.deterministic"),
+    Miniature("NaN undeclared", forgives_nan, "robustness.nan"),
+    Miniature("never empty", never_empty, "robustness.out_of_range"),
+    Miniature("takes anything", takes_anything, "robustness.bad_input"),
+    Miniature(
+        "leaves ties out",
+        changed(without_touching),
+        "robustness.ties",
+        (
+            "structure.all_used",
+            "topology.closed",
+            "topology.vertex_manifold",
+            "topology.separates",
+        ),
+    ),
+)

@@ -1,0 +1,108 @@
+"""The grader is graded: right answers pass every claim, and each claim catches its miniature."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from isograde.claims import (
+    cases,
+    counting,
+    geometry,
+    robustness,
+    structure,
+    symmetry,
+    topology,
+)
+from isograde.model import Case, Finding, Limits, Verdict
+from isograde.runner import Task, Worker
+from isoref.field import Field
+
+from tests.isograde.miniatures import BROKEN, CORRECT, Inside, Miniature
+
+FAMILIES = (structure, topology, geometry, cases, counting, symmetry, robustness)
+CLAIMS = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}
+
+
+def noise(shape: tuple[int, int, int], seed: int) -> Field:
+    """Values in steps of 1/64, so that single precision holds them."""
+    return Field.of(np.rint(64 * np.random.default_rng(seed).normal(size=shape)) / 64)
+
+
+def closed_noise(shape: tuple[int, int, int], seed: int) -> Field:
+    values = np.pad(noise(shape, seed).values, 1, constant_values=-1.0)
+    return Field.of(values, (0.5, 0.5, 0.5), (3.0, -4.0, 5.0))
+
+
+def integers(shape: tuple[int, int, int], seed: int) -> Field:
+    return Field.of(np.random.default_rng(seed).integers(0, 6, shape).astype(float))
+
+
+def three_values(shape: tuple[int, int, int], seed: int) -> Field:
+    return Field.of(np.random.default_rng(seed).integers(-1, 2, shape).astype(float))
+
+
+def case(name: str, build: partial[Field], isovalue: float, *tags: str) -> Case:
+    return Case(name, build, isovalue, build().values.size, frozenset(tags))
+
+
+CASES = {
+    c.id: c
+    for c in (
+        case("bordered", partial(noise, (4, 5, 4), 3), 0.13, "posed"),
+        case("closed", partial(closed_noise, (5, 4, 5), 1), 0.13),
+        case("integers", partial(integers, (3, 4, 3), 2), 2.5, "posed"),
+        case("ties", partial(three_values, (4, 4, 4), 3), 0.0, "ties"),
+        case("ties-closed", partial(three_values, (4, 4, 4), 5), 0.0, "ties"),
+    )
+}
+
+
+def grade(miniature: Miniature) -> dict[str, list[tuple[str, Finding]]]:
+    """What every claim says of every case, but for variants of cases that are not posed."""
+    door = Inside(miniature)
+    worker = Worker(door, door.open(Limits()), CASES, CLAIMS)
+    found: dict[str, list[tuple[str, Finding]]] = {name: [] for name in CLAIMS}
+    for c in CASES.values():
+        wanted = tuple(
+            name
+            for name, claim in CLAIMS.items()
+            if claim.applies_to(c) and ("posed" in c.tags or not claim.variants)
+        )
+        for name, finding in worker.judge(Task(c.id, wanted)).findings.items():
+            found[name].append((c.id, finding))
+    return found
+
+
+def failures(miniature: Miniature) -> dict[str, str]:
+    """The claims held against the miniature that do not all pass, with the first reason."""
+    held: dict[str, str] = {}
+    for name, findings in grade(miniature).items():
+        level = CLAIMS[name].level
+        if level is not None and level > miniature.level:
+            continue
+        for c, finding in findings:
+            fine = (Verdict.PASS, Verdict.UNSUPPORTED, Verdict.SKIP)
+            if finding.verdict is Verdict.NOT_RUN:
+                assert "judge failed" not in finding.detail, finding.detail
+            elif finding.verdict not in fine:
+                held.setdefault(name, f"{c}: {finding.verdict} {finding.detail}")
+    return held
+
+
+@pytest.mark.parametrize("miniature", CORRECT, ids=lambda m: m.name)
+def test_a_right_answer_passes_everything(miniature: Miniature) -> None:
+    """Whatever its conventions and its legal choices."""
+    assert failures(miniature) == {}
+
+
+@pytest.mark.parametrize("miniature", BROKEN, ids=lambda m: m.name)
+def test_a_broken_one_is_caught_by_its_claim_and_what_follows(miniature: Miniature) -> None:
+    """By no other claim, so that the claim is needed."""
+    held = failures(miniature)
+    assert miniature.breaks in held
+    assert set(held) <= {miniature.breaks, *miniature.follows}, held
+
+
+def test_every_claim_has_a_miniature_that_breaks_it() -> None:
+    """A claim that nothing can fail says nothing."""
+    assert {m.breaks for m in BROKEN} == set(CLAIMS)
