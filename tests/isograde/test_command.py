@@ -176,7 +176,7 @@ def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> Non
     """No bar and no escape codes where nobody watches."""
     command = [sys.executable, "-m", "isograde.command", "grade", "isoref:asymptotic-decider"]
     done = subprocess.run(
-        [*command, "--only", "cells/outside/0*", "--out", str(tmp_path)],
+        [*command, "--only", "pairs/02*", "--out", str(tmp_path)],
         capture_output=True,
         text=True,
         timeout=120,
@@ -187,4 +187,33 @@ def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> Non
     assert "\x1b" not in done.stdout
     assert "report.html" in done.stdout
     last = (tmp_path / "report.jsonl").read_text(encoding="utf-8").splitlines()[-1]
-    assert json.loads(last)["cases"] == 100
+    assert json.loads(last)["cases"] == 16
+
+
+def test_check_tells_what_a_door_does_and_why_another_does_not_open() -> None:
+    good, bad = run("check", "isoref:asymptotic-decider"), run("check", "absent")
+    assert good.exit_code == 0
+    assert "claims level" in good.output
+    assert bad.exit_code == 3
+    assert "no implementation 'absent'" in bad.output
+
+
+def test_exported_fields_are_graded_from_the_folder(tmp_path: Path) -> None:
+    """Without meshes nothing is supported, and nothing passes."""
+    folder = tmp_path / "vectors"
+    result = run("export", folder, "--only", "pairs/02*", "--variants")
+    assert result.exit_code == 0, result.output
+    assert "16 fields" in result.output
+    again = run("export", folder, "--only", "pairs/02*")
+    assert again.exit_code == 2
+    assert "not empty" in again.output
+    assert run("export", tmp_path / "none", "--only", "absent").exit_code == 4
+    assert not (tmp_path / "none").exists()
+
+
+def test_frequencies_are_a_table(tmp_path: Path) -> None:
+    np.save(tmp_path / "one.npy", np.array([[[1, 0], [0, 0]], [[0, 0], [0, 1.0]]]))
+    result = run("frequencies", tmp_path / "one.npy", "--isovalue", "0.5")
+    assert result.exit_code == 0
+    assert "| 4 | 1 |" in result.output
+    assert run("frequencies", tmp_path / "two.npy", "--isovalue", "0.5").exit_code == 2

@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from isograde.claims import CLAIMS
 from isograde.doors import open_door
 from isograde.fields import all_cases
-from isograde.model import DoorError, Outcome, Request
+from isograde.model import Door, DoorError, Outcome, Request
 from isograde.report import record
-from isograde.runner import BAD, Judged, Options, Task, Worker, plan, run
+from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import SMALL, shrink
 
 # A second process costs a start; below so many cases it does not pay.
@@ -113,7 +115,8 @@ class Writer:
         """A line for each failed claim whose smallest case, made smaller still, can be shown."""
         found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
         shown = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
-        legal = contrast([one.judged for one in shown.values()], options)
+        tie = worker.declaration.conventions.tie
+        legal = contrast([one.judged for one in shown.values()], options, tie)
         for claim, one in shown.items():
             judged = one.judged
             self.write(record.evidence_record(claim, judged, one.of, legal.get(judged.case)))
@@ -138,8 +141,11 @@ def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
     return Smallest(less, worker.cases[less.case].samples, case.id)
 
 
-def contrast(judgements: Sequence[Judged], options: Options) -> dict[str, Outcome]:
-    """What the reference makes of these cases, by case; nothing where it does not start."""
+def contrast(judgements: Sequence[Judged], options: Options, tie: str) -> dict[str, Outcome]:
+    """What the reference makes of these cases, by case; nothing where it does not start.
+
+    `tie` is the side on which a sample equal to the isovalue shall count.
+    """
     if not judgements:
         return {}
     door = open_door(CONTRAST)
@@ -150,9 +156,25 @@ def contrast(judgements: Sequence[Judged], options: Options) -> dict[str, Outcom
     wanted = {judged.case: judged.evidence for judged in judgements}
     try:
         return {
-            case: door.run(Request(case, "plain", evidence.field, evidence.isovalue))
+            case: _answer(door, case, evidence, tie)
             for case, evidence in wanted.items()
             if evidence is not None
         }
     finally:
         door.close()
+
+
+def _answer(door: Door, case: str, evidence: Evidence, tie: str) -> Outcome:
+    """The door's answer, whose ties are inside, as it is where ties are on the side `tie`.
+
+    A value is above the isovalue where the negated value is not at least the negated isovalue: the
+    same surface, with its sides exchanged.
+    """
+    field, isovalue = evidence.field, evidence.isovalue
+    if tie == "inside":
+        return door.run(Request(case, "plain", field, isovalue))
+    negated = replace(field, values=-np.asarray(field.values, np.float64))
+    outcome = door.run(Request(case, "plain", negated, -isovalue))
+    if outcome.faces is None:
+        return outcome
+    return replace(outcome, faces=outcome.faces[:, ::-1])

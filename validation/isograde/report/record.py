@@ -22,6 +22,7 @@ import platform
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from dataclasses import field as fresh
 from functools import cache, cached_property
@@ -257,15 +258,17 @@ class Tally:
         }
 
 
-def open_text(path: Path, mode: str) -> TextIO:
+@contextmanager
+def open_text(path: Path, mode: str) -> Iterator[TextIO]:
     """The file, open for "r" or "w" as UTF-8; compressed where its name ends in .gz."""
-    if path.suffix != ".gz":
-        return path.open("r" if mode == "r" else "w", encoding="utf-8")
-    if mode == "r":
-        return io.TextIOWrapper(gzip.open(path), encoding="utf-8")
-    # Leave name and time out of the archive, so that the same report is the same file.
-    raw = gzip.GzipFile("", "wb", fileobj=path.open("wb"), mtime=0)
-    return io.TextIOWrapper(raw, encoding="utf-8")
+    with ExitStack() as stack:
+        raw = stack.enter_context(path.open("rb" if mode == "r" else "wb"))
+        binary: Any = raw
+        if path.suffix == ".gz":
+            # Leave name and time out of the archive, so that the same report is the same file.
+            archive = gzip.GzipFile("", "rb" if mode == "r" else "wb", fileobj=raw, mtime=0)
+            binary = stack.enter_context(archive)
+        yield stack.enter_context(io.TextIOWrapper(binary, encoding="utf-8", newline="\n"))
 
 
 def write_line(file: TextIO, record: Mapping[str, Any]) -> JSON:

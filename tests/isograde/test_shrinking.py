@@ -1,0 +1,71 @@
+"""A failing case shrinks to the least block that still fails."""
+
+import numpy as np
+import pytest
+from isograde.claims import CLAIMS
+from isograde.doors import open_door
+from isograde.fields import all_cases, blocks
+from isograde.model import Case, Claim, Declaration, Finding, Limits, Trial, Verdict
+from isograde.runner import Options, Worker, plan
+from isograde.shrinking import shrink
+from isoref.field import Field
+
+
+def _holds_a_seven(trial: Trial) -> Finding:
+    """Fails where a sample is 7."""
+    return Finding(Verdict.FAIL if (trial.field.values == 7).any() else Verdict.PASS)
+
+
+@pytest.mark.parametrize("place", [(0, 0, 0), (3, 4, 1), (6, 8, 5)])
+def test_the_block_that_is_left_holds_the_fault_and_little_else(
+    place: tuple[int, int, int],
+) -> None:
+    values = np.zeros((7, 9, 6))
+    values[place] = 7
+    case = Case("family/one", lambda: Field.of(values), 0.5, values.size)
+    claim = Claim("family.seven", "", "", 1, _holds_a_seven, needs_mesh=False)
+
+    class Cases(dict[str, Case]):
+        """Cases whose blocks are found by name."""
+
+        def __missing__(self, name: str) -> Case:
+            named = blocks.parse(name)
+            assert named is not None
+            return blocks.block(self[named[0]], named[1])
+
+    door = open_door("isoref:asymptotic-decider")
+    door.open(Limits())
+    try:
+        worker = Worker(door, Declaration("x"), Cases({case.id: case}), {claim.id: claim})
+        found = shrink(worker, case, claim)
+    finally:
+        door.close()
+    assert found is not None
+    assert found.evidence is not None
+    assert found.evidence.field.shape == (2, 2, 2)
+    named = blocks.parse(found.case)
+    assert named is not None
+    assert all(start <= p < stop for p, (start, stop) in zip(place, named[1], strict=True))
+
+
+def test_a_block_stands_where_it_stood() -> None:
+    case = all_cases(0)["analytic/sphere-uneven"]
+    whole, part = case.build(), blocks.block(case, ((2, 5), (1, 4), (3, 8))).build()
+    assert np.array_equal(part.values, whole.values[2:5, 1:4, 3:8])
+    assert np.allclose(part.position([0, 0, 0]), whole.position([2, 1, 3]))
+
+
+def test_a_block_is_graded_by_its_name() -> None:
+    name = "ties/noise-05[0:3,2:4,4:6]"
+    cases = all_cases(0)
+    assert cases[name].samples == 12
+    assert cases[name].tags == {"ties"}
+    tasks = plan(Options(only=(name, "topology.closed")), cases, CLAIMS)
+    assert [(task.case, task.claims) for task in tasks] == [(name, ("topology.closed",))]
+
+
+def test_a_block_of_no_case_is_no_case() -> None:
+    with pytest.raises(KeyError):
+        all_cases(0)["absent/one[0:2,0:2,0:2]"]
+    with pytest.raises(KeyError):
+        all_cases(0)["ties/noise-05[0:2"]
