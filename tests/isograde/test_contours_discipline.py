@@ -1,0 +1,252 @@
+"""The discipline of contours: right answers pass, and each claim has a fault that it catches."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from isograde.disciplines import contours as discipline
+from isograde.disciplines.contours import CLAIMS, Extract, cases, grade
+from isograde.doors import open_door
+from isograde.doors.conventions import to_house
+from isograde.model import (
+    Conventions,
+    Declaration,
+    Finding,
+    Limits,
+    Outcome,
+    Request,
+    Status,
+    Verdict,
+)
+from isograde.truths import planar
+from isograde.truths.planar import Points
+from isoref import diconex as reference
+from isoref.field import Field
+from matplotlib.path import Path
+
+Lines = list[Points]
+
+
+class Here:
+    """A door without a process, for functions that the tests trust not to crash."""
+
+    def __init__(self, function: Extract):
+        self.function = discipline.through_door(function)
+
+    def open(self, limits: Limits) -> Declaration:
+        """Nothing to start."""
+        return Declaration("here", discipline="contours")
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome of one call."""
+        try:
+            answer = self.function(
+                np.asarray(request.field.values), request.isovalue, request.field.spacing
+            )
+        except Exception as error:  # noqa: BLE001 - as a door would
+            return Outcome(Status.RAISED, detail=str(error))
+        return to_house(Outcome(Status.OK, *answer), request, Conventions())
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+def graded(function: Extract, without: frozenset[str] = frozenset()) -> dict[tuple[str, str], Any]:
+    """Every finding on this function, by case and claim."""
+    declaration = Declaration("here", discipline="contours", without=without)
+    return {(a, b): finding for a, b, finding in grade(Here(function), declaration, cases())}
+
+
+def faults(function: Extract) -> set[str]:
+    """The claims that fail somewhere."""
+    found: dict[tuple[str, str], Finding] = graded(function)
+    return {
+        claim.removeprefix("contours.") for (_, claim), f in found.items() if f.verdict != "pass"
+    }
+
+
+mixed = discipline._reference("mixed")
+
+
+def changed(change: Callable[[Lines], Lines]) -> Extract:
+    """DICONEX with its contours changed."""
+    return lambda values, isovalue, spacing: change(list(mixed(values, isovalue, spacing)))
+
+
+@pytest.mark.parametrize("mode", ["disconnect", "connect", "mixed"])
+def test_the_reference_passes_all_but_the_bilinear_claim(mode: str) -> None:
+    """Every mode is consistent; none asks for the saddle."""
+    assert faults(discipline._reference(mode)) == {"bilinear"}
+
+
+@pytest.mark.parametrize("name", ["skimage_find_contours", "contourpy_serial"])
+def test_the_libraries_pass_all_but_the_bilinear_claim(name: str) -> None:
+    """Right answers of other hands pass."""
+    assert faults(getattr(discipline, name)) == {"bilinear"}
+
+
+def test_a_bilinear_decider_passes_everything() -> None:
+    """Marching squares with the asymptotic decider: no claim fails right answers of level 3."""
+    assert faults(deciding(lambda square: bool(planar.joins(square, 0.0)["saddle"]))) == set()
+
+
+def deciding(joins: Callable[[Any], bool]) -> Extract:
+    """DICONEX with another decision at each point of ambiguity, from its four relative values."""
+
+    def extract(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Lines:
+        field = Field.of(values, spacing)
+        grey = values.astype(float) - isovalue
+        active = np.pad(grey >= 0, 1)
+        vectors = reference.initial_contour_vectors(active)
+        joined = np.zeros(np.add(values.shape, 1), np.bool_)
+        for i, j in np.ndindex(*np.subtract(values.shape, 1)):
+            joined[i + 1, j + 1] = joins(grey[i : i + 2, j : j + 2])
+        follow = reference.successors(vectors, active, joined)
+        plain = reference.diconex(field, isovalue, border="closed")
+        outer = reference._reaches_outside(vectors, field.shape)
+        return reference._without(reference.Contours(plain.points, follow), outer).polygons()
+
+    return extract
+
+
+def crossed_saddles(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Lines:
+    """The contours of a single square joined edge to opposite edge."""
+    lines: Lines = list(mixed(values, isovalue, spacing))
+    if values.shape == (2, 2) and len(lines) == 2:
+        (a, b), (c, d) = lines
+        return [np.array([a, c]), np.array([b, d])]
+    return lines
+
+
+def middles(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Lines:
+    """Every point in the middle of its edge."""
+    return reference.diconex(Field.of(values, spacing), isovalue, displaced=False).polygons()
+
+
+def swapped_points(lines: Lines) -> Lines:
+    """Two points of a long contour exchanged."""
+    for line in lines:
+        if len(line) > 8:
+            line[[3, 5]] = line[[5, 3]]
+    return lines
+
+
+FAULTY: dict[str, Extract] = {
+    "well-formed": changed(lambda lines: [*lines, np.full((2, 2), np.nan)]),
+    "nothing": lambda *_: [np.array([[0.0, 0.5], [0.5, 0.0]])],
+    "whole": changed(lambda lines: [line[:-1] for line in lines]),
+    "no-point-twice": changed(lambda lines: [*lines, *lines[:1]]),
+    "no-crossing": changed(swapped_points),
+    "separates": changed(lambda lines: lines[1:]),
+    "oriented": changed(lambda lines: [line[::-1] for line in lines]),
+    "legal": crossed_saddles,
+    "one-rule": deciding(lambda square: bool(square[0, 0] * 1e6 % 2 < 1)),
+    "transposed": deciding(lambda square: bool(square[0, 1] > square[1, 0])),
+    "bilinear": discipline._reference("disconnect"),
+    "on-edges": middles,
+    "count": changed(lambda lines: [part for line in lines for part in (line[:4], line[3:])]),
+    "area": changed(lambda lines: [1.02 * line for line in lines]),
+}
+
+
+def test_every_claim_has_a_fault() -> None:
+    """The table of faults is complete."""
+    assert {f"contours.{name}" for name in FAULTY} == {claim.id for claim in CLAIMS}
+
+
+@pytest.mark.parametrize("claim", FAULTY)
+def test_the_fault_is_caught(claim: str) -> None:
+    """A broken implementation fails the claim that is about its fault."""
+    assert claim in faults(FAULTY[claim])
+
+
+def test_some_faults_are_caught_by_one_claim_only() -> None:
+    """Beside the bilinear claim, which the reference does not promise."""
+    assert faults(FAULTY["on-edges"]) - {"bilinear", "area"} == {"on-edges"}
+    assert faults(FAULTY["oriented"]) - {"bilinear", "area"} == {"oriented"}
+    assert faults(FAULTY["transposed"]) - {"bilinear"} == {"one-rule", "transposed"}
+
+
+def test_what_is_not_promised_is_unsupported() -> None:
+    """A declaration without orientation is not judged by it."""
+    found = graded(FAULTY["oriented"], without=frozenset({"oriented"}))
+    of_claim = {f.verdict for (_, claim), f in found.items() if claim == "contours.oriented"}
+    assert of_claim == {Verdict.UNSUPPORTED}
+    assert Verdict.FAIL not in {
+        f.verdict for (_, claim), f in found.items() if claim != "contours.bilinear"
+    }
+
+
+def test_an_error_is_told_as_an_error() -> None:
+    """A call that raises is an error, with its text."""
+
+    def raises(*_: Any) -> Any:
+        raise RuntimeError("no contours today")
+
+    found = graded(raises)
+    assert {f.verdict for f in found.values()} == {Verdict.ERROR}
+    assert all("no contours today" in f.detail for f in found.values())
+
+
+@pytest.mark.parametrize("name", sorted(discipline.READY_MADE))
+def test_ready_made_implementations_start_behind_a_door(name: str) -> None:
+    """The adapters answer from a process of their own."""
+    door = open_door(discipline.READY_MADE[name])
+    try:
+        declaration = door.open(Limits())
+        asked = [case for case in cases() if case.id == "contours/disc"]
+        found = [finding.verdict for *_, finding in grade(door, declaration, asked)]
+    finally:
+        door.close()
+    assert declaration.discipline == "contours"
+    assert set(found) == {Verdict.PASS}
+
+
+# --- the truths, a second way --------------------------------------------------------------------
+
+
+@given(arrays(np.int64, (5, 6), elements=st.integers(0, 3)))
+def test_crossings_agree_with_points_in_polygons(image: Any) -> None:
+    """Matplotlib's polygons: a step is crossed where one end is inside more polygons."""
+    lines = reference.diconex(image, 1.5, mode="connect", border="closed").polygons()
+    depth = np.zeros(image.shape, int)
+    for line in lines:
+        turn = np.sign(planar.enclosed_area([line]))
+        places = np.argwhere(np.ones(image.shape))
+        depth += (turn * Path(line).contains_points(places)).reshape(image.shape).astype(int)
+    parts = planar.segments(lines)
+    # Frame the lattice, so that no contour ends on its border.
+    framed = np.pad(depth, 1)
+    for axis in (0, 1):
+        crossed = planar.crossings(parts + 1, framed.shape, axis)
+        assert np.array_equal(crossed, -np.diff(framed, axis=axis))
+
+
+def test_legal_squares_are_those_of_marching_squares() -> None:
+    """scikit-image, both ways to connect: sixteen squares, two answers for two of them."""
+    from skimage.measure import find_contours
+
+    for signs in range(16):
+        sides = np.array([[signs & 1, signs >> 1 & 1], [signs >> 2 & 1, signs >> 3 & 1]])
+        found = []
+        for connected in ("low", "high"):
+            lines = find_contours(sides.astype(float), 0.5, fully_connected=connected)
+            pairs = planar.squares(planar.segments(lines)).get((0, 0), [])
+            found.append(set(pairs))
+        answers = planar.legal(sides.astype(bool)).get((0, 0), [set()])
+        assert answers == (found if found[0] != found[1] else found[:1])
+
+
+@given(arrays(np.float64, 4, elements=st.floats(0.1, 1)), st.booleans())
+def test_the_saddle_rule_is_the_value_at_the_saddle(size: Any, first: bool) -> None:
+    """Nielson & Hamann, section 2: the bilinear interpolant where its gradient vanishes."""
+    a, d, b, c = size * np.array([1, 1, -1, -1]) * (1 if first else -1)
+    s = (a - b) / (a + d - b - c)
+    t = (a - c) / (a + d - b - c)
+    value = a * (1 - s) * (1 - t) + c * s * (1 - t) + b * (1 - s) * t + d * s * t
+    if abs(value) > 1e-9:
+        assert planar.joins(np.array([[a, b], [c, d]]), 0.0)["saddle"] == (value > 0)
