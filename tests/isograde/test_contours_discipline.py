@@ -55,15 +55,22 @@ class Here:
         """Nothing to stop."""
 
 
-def graded(function: Extract, without: frozenset[str] = frozenset()) -> dict[tuple[str, str], Any]:
+# Cases on which each fault below shows.
+FEW = {"disc", "two-discs", "bytes", "constant", "saddle-mean-in-out", "saddle-mean-out-in"}
+
+
+def graded(
+    function: Extract, without: frozenset[str] = frozenset(), few: bool = False
+) -> dict[tuple[str, str], Any]:
     """Every finding on this function, by case and claim."""
+    asked = [c for c in cases() if not few or c.id.removeprefix("contours/") in FEW]
     declaration = Declaration("here", discipline="contours", without=without)
-    return {(a, b): finding for a, b, finding in grade(Here(function), declaration, cases())}
+    return {(a, b): finding for a, b, finding in grade(Here(function), declaration, asked)}
 
 
-def faults(function: Extract) -> set[str]:
+def faults(function: Extract, few: bool = False) -> set[str]:
     """The claims that fail somewhere."""
-    found: dict[tuple[str, str], Finding] = graded(function)
+    found: dict[tuple[str, str], Finding] = graded(function, few=few)
     return {
         claim.removeprefix("contours.") for (_, claim), f in found.items() if f.verdict != "pass"
     }
@@ -144,7 +151,7 @@ FAULTY: dict[str, Extract] = {
     "separates": changed(lambda lines: lines[1:]),
     "oriented": changed(lambda lines: [line[::-1] for line in lines]),
     "legal": crossed_saddles,
-    "one-rule": deciding(lambda square: bool(square[0, 0] * 1e6 % 2 < 1)),
+    "one-rule": deciding(lambda square: bool(square[0, 0] > square[1, 1])),
     "transposed": deciding(lambda square: bool(square[0, 1] > square[1, 0])),
     "bilinear": discipline._reference("disconnect"),
     "on-edges": middles,
@@ -161,19 +168,19 @@ def test_every_claim_has_a_fault() -> None:
 @pytest.mark.parametrize("claim", FAULTY)
 def test_the_fault_is_caught(claim: str) -> None:
     """A broken implementation fails the claim that is about its fault."""
-    assert claim in faults(FAULTY[claim])
+    assert claim in faults(FAULTY[claim], few=True)
 
 
 def test_some_faults_are_caught_by_one_claim_only() -> None:
     """Beside the bilinear claim, which the reference does not promise."""
-    assert faults(FAULTY["on-edges"]) - {"bilinear", "area"} == {"on-edges"}
-    assert faults(FAULTY["oriented"]) - {"bilinear", "area"} == {"oriented"}
-    assert faults(FAULTY["transposed"]) - {"bilinear"} == {"one-rule", "transposed"}
+    assert faults(FAULTY["on-edges"], few=True) - {"bilinear", "area"} == {"on-edges"}
+    assert faults(FAULTY["oriented"], few=True) - {"bilinear", "area"} == {"oriented"}
+    assert faults(FAULTY["transposed"], few=True) - {"bilinear"} == {"one-rule", "transposed"}
 
 
 def test_what_is_not_promised_is_unsupported() -> None:
     """A declaration without orientation is not judged by it."""
-    found = graded(FAULTY["oriented"], without=frozenset({"oriented"}))
+    found = graded(FAULTY["oriented"], frozenset({"oriented"}), few=True)
     of_claim = {f.verdict for (_, claim), f in found.items() if claim == "contours.oriented"}
     assert of_claim == {Verdict.UNSUPPORTED}
     assert Verdict.FAIL not in {
@@ -187,12 +194,12 @@ def test_an_error_is_told_as_an_error() -> None:
     def raises(*_: Any) -> Any:
         raise RuntimeError("no contours today")
 
-    found = graded(raises)
+    found = graded(raises, few=True)
     assert {f.verdict for f in found.values()} == {Verdict.ERROR}
     assert all("no contours today" in f.detail for f in found.values())
 
 
-@pytest.mark.parametrize("name", sorted(discipline.READY_MADE))
+@pytest.mark.parametrize("name", ["contours:skimage", "contours:diconex-mixed"])
 def test_ready_made_implementations_start_behind_a_door(name: str) -> None:
     """The adapters answer from a process of their own."""
     door = open_door(discipline.READY_MADE[name])

@@ -107,17 +107,13 @@ def squares(parts: Points) -> dict[tuple[int, int], list[frozenset[Edge | None]]
 
 def legal(inside: Booleans) -> Mapping[tuple[int, int], list[set[frozenset[Edge]]]]:
     """Square -> its legal sets of pairs: one, or separated and joined where it is ambiguous."""
-    answers = {}
-    for i in range(inside.shape[0] - 1):
-        for j in range(inside.shape[1] - 1):
-            answer = _legal(i, j, inside[i : i + 2, j : j + 2])
-            if answer[0]:
-                answers[i, j] = answer
-    return answers
+    four = np.stack([inside[:-1, :-1], inside[1:, :-1], inside[:-1, 1:], inside[1:, 1:]])
+    active = np.argwhere(four.any(axis=0) & ~four.all(axis=0))
+    return {(i, j): _legal(i, j, inside[i : i + 2, j : j + 2]) for i, j in active.tolist()}
 
 
 def _legal(i: int, j: int, side: Booleans) -> list[set[frozenset[Edge]]]:
-    """The legal sets of pairs of one square with these sides."""
+    """The legal sets of pairs of one square with these sides, which differ."""
     # Each corner has the two edges of the square that meet in it.
     corners: dict[tuple[int, int], frozenset[Edge]] = {
         (a, b): frozenset({(i, j + b, 0), (i + a, j, 1)}) for a in (0, 1) for b in (0, 1)
@@ -130,8 +126,6 @@ def _legal(i: int, j: int, side: Booleans) -> list[set[frozenset[Edge]]]:
     few = min(within, without, key=len)
     if len(few) == 1:
         return [{corners[few[0]]}]
-    if not few:
-        return [set()]
     # Two neighbours: the edges that leave them on either side.
     return [{corners[few[0]] ^ corners[few[1]]}]
 
