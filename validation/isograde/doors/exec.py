@@ -28,12 +28,8 @@ from __future__ import annotations
 
 import contextlib
 import json
-import shutil
-import tempfile
 import time
-import weakref
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,7 +37,7 @@ import numpy as np
 from isograde.doors.answers import AnswerError, Arrays, arrays_from, arrays_in, mesh_in
 from isograde.doors.child import MEGABYTE, Child, Ended
 from isograde.doors.declaring import check_json, declaration_from
-from isograde.doors.process import ProcessDoor
+from isograde.doors.process import ProcessDoor, empty, own_directory
 from isograde.model import Declaration, DoorError, Outcome, Request, Status
 
 PROTOCOL = 1
@@ -54,8 +50,7 @@ class ExecDoor(ProcessDoor):
 
     def __init__(self, spec: str):
         super().__init__(spec)
-        self._directory = Path(tempfile.mkdtemp(prefix="isograde-"))
-        weakref.finalize(self, shutil.rmtree, self._directory, ignore_errors=True)
+        self._directory = own_directory(self)
 
     def _spawn(self) -> Child:
         """The program, run by the shell."""
@@ -79,7 +74,7 @@ class ExecDoor(ProcessDoor):
             raise Ended(Status.GARBAGE, str(error)) from error
         seconds = said.get("seconds", time.perf_counter() - start)
         outcome = replace(self._read(said), seconds=seconds, peak_bytes=child.peak_bytes)
-        self._sweep()
+        empty(self._directory)
         return outcome
 
     def close(self) -> None:
@@ -129,11 +124,6 @@ class ExecDoor(ProcessDoor):
             vertices, faces = (self._directory / str(part) for part in pair)
             return arrays_in(vertices, faces, limit)
         return arrays_from(pair)
-
-    def _sweep(self) -> None:
-        """The program's folder is empty."""
-        for path in self._directory.iterdir():
-            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 def _tell(child: Child, message: dict[str, Any]) -> None:

@@ -1,16 +1,19 @@
 """Messages with arrays, between the grader and its worker process.
 
 A frame is the length of a header (4 bytes, little-endian), the header (JSON), and the bytes of
-the arrays the header lists under ``arrays``, one after the other. Nothing is unpickled, so that
+the arrays the header lists under ``arrays``, one after the other. An array of more than `LARGE`
+bytes stands in a .npy file instead, where both sides know a folder. Nothing is unpickled, so that
 whatever an implementation returns reaches the grader as numbers or not at all.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import struct
 from collections.abc import Callable, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,53 +22,72 @@ Header = dict[str, Any]
 Arrays = list[NDArray[Any]]
 LENGTH = struct.Struct("<I")
 HEADER_LIMIT = 1 << 20
+LARGE = 1 << 20
 
 
 class FrameError(ValueError):
     """The bytes are no frame."""
 
 
-def pack(header: Header, arrays: Sequence[NDArray[Any]] = ()) -> list[bytes | memoryview]:
-    """The frame, as buffers to be written one after the other."""
-    solid = [np.ascontiguousarray(a) for a in arrays]
-    listed = [{"dtype": a.dtype.str, "shape": a.shape} for a in solid]
+def pack(
+    header: Header, arrays: Sequence[NDArray[Any]] = (), files: Path | None = None
+) -> list[bytes | memoryview]:
+    """The frame, as buffers to be written one after the other.
+
+    Large arrays are written to files whose names begin with `files`, where that is given.
+    """
+    listed: list[Header] = []
+    buffers: list[bytes | memoryview] = []
+    for number, array in enumerate(arrays):
+        if files is not None and array.nbytes > LARGE:
+            path = files.with_name(f"{files.name}{number}.npy")
+            np.save(path, array, allow_pickle=False)
+            listed.append({"file": str(path), "bytes": array.nbytes})
+        else:
+            solid = np.ascontiguousarray(array)
+            listed.append({"dtype": solid.dtype.str, "shape": solid.shape, "bytes": solid.nbytes})
+            buffers.append(solid.reshape(-1).view(np.uint8).data)
     text = json.dumps({**header, "arrays": listed}).encode()
-    return [LENGTH.pack(len(text)) + text, *(a.reshape(-1).view(np.uint8).data for a in solid)]
+    return [LENGTH.pack(len(text)) + text, *buffers]
 
 
 def unpack(
-    read: Callable[[int], bytearray], limit: int = np.iinfo(np.int64).max
+    read: Callable[[int], bytearray],
+    limit: float = math.inf,
+    mmap_mode: Literal["r"] | None = None,
 ) -> tuple[Header, Arrays]:
-    """The next frame, its bytes taken with `read(count)`.
+    """The next frame, its bytes taken with `read(count)`, its files loaded or mapped.
 
     Raises
     ------
     FrameError
         for bytes that are no frame.
     MemoryError
-        where the arrays would need more than `limit` bytes.
+        where the arrays have more than `limit` bytes.
     """
     (length,) = LENGTH.unpack(read(LENGTH.size))
     if length > HEADER_LIMIT:
         raise FrameError(f"a header of {length} bytes")
     try:
         header = json.loads(read(length))
-        kinds = [(np.dtype(a["dtype"]), tuple(map(int, a["shape"]))) for a in header["arrays"]]
-    except (ValueError, TypeError, KeyError) as error:
+        total = sum(entry["bytes"] for entry in header["arrays"])
+        if total > limit:
+            raise MemoryError(f"{total:,} bytes of arrays")
+        return header, [_array(entry, read, mmap_mode) for entry in header["arrays"]]
+    except (ValueError, TypeError, KeyError, OSError) as error:
         raise FrameError(f"a header that cannot be read: {error}") from error
-    sizes = [dtype.itemsize * _product(shape) for dtype, shape in kinds]
-    if sum(sizes) > limit:
-        raise MemoryError(f"{sum(sizes):,} bytes of arrays")
-    parts = [
-        np.frombuffer(read(size), dtype).reshape(shape) if size else np.empty(shape, dtype)
-        for (dtype, shape), size in zip(kinds, sizes, strict=True)
-    ]
-    return header, parts
 
 
-def _product(shape: tuple[int, ...]) -> int:
-    """The number of elements of an array of this shape, in exact integers."""
-    count = 1
-    for length in shape:
-        count *= length
-    return count
+def _array(
+    entry: Header, read: Callable[[int], bytearray], mmap_mode: Literal["r"] | None
+) -> NDArray[Any]:
+    """The array that an entry of the header lists."""
+    if "file" in entry:
+        loaded: NDArray[Any] = np.load(entry["file"], mmap_mode, allow_pickle=False)
+        return loaded
+    dtype, shape = np.dtype(entry["dtype"]), tuple(entry["shape"])
+    if math.prod(shape) * dtype.itemsize != entry["bytes"]:
+        raise FrameError(f"{entry['bytes']} bytes for {shape} of {dtype}")
+    if not entry["bytes"]:
+        return np.empty(shape, dtype)
+    return np.frombuffer(read(entry["bytes"]), dtype).reshape(shape)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+import weakref
 from abc import ABC, abstractmethod
+from multiprocessing.util import get_temp_dir
+from pathlib import Path
 
 from isograde.doors.child import Child, Ended
 from isograde.doors.conventions import to_house
@@ -10,6 +15,19 @@ from isograde.model import Declaration, DoorError, Limits, Outcome, Request, Sta
 
 # Imports may be slow on a busy machine, however short a call may be.
 START_LIMITS = Limits(seconds=120.0, megabytes=4096)
+
+
+def own_directory(door: object) -> Path:
+    """A new folder that goes with the door, or with a process that is not let to say goodbye."""
+    directory = Path(tempfile.mkdtemp(prefix="isograde-", dir=get_temp_dir()))
+    weakref.finalize(door, shutil.rmtree, directory, ignore_errors=True)
+    return directory
+
+
+def empty(directory: Path) -> None:
+    """The folder has nothing in it."""
+    for path in directory.iterdir():
+        shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 class ProcessDoor(ABC):

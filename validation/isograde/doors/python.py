@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from isograde.doors.child import MEGABYTE, Child, Ended
 from isograde.doors.declaring import declaration_from
 from isograde.doors.frames import FrameError, pack, unpack
-from isograde.doors.process import ProcessDoor
+from isograde.doors.process import ProcessDoor, empty, own_directory
 from isograde.model import Declaration, DoorError, Outcome, Request, Status
 
 # Strides that span more than so many times the samples are not reproduced in the worker.
@@ -25,13 +25,19 @@ LARGEST_SPAN = 4
 class PythonDoor(ProcessDoor):
     """A Python function behind a pipe; `spec` is what `isograde.doors.loading.load` reads."""
 
+    def __init__(self, spec: str):
+        super().__init__(spec)
+        self._directory = own_directory(self)
+
     def _spawn(self) -> Child:
         """A worker."""
         return Child([sys.executable, "-u", "-m", "isograde.doors.worker"], guarded=True)
 
     def _greet(self, child: Child) -> Declaration:
         """What the function declares, once it is loaded."""
-        child.write(pack({"load": self.spec, "path": [p for p in sys.path if p]}))
+        answers = str(self._directory / "answer")
+        path = [entry for entry in sys.path if entry]
+        child.write(pack({"load": self.spec, "path": path, "files": answers}))
         header, _ = unpack(child.read)
         if "error" in header:
             raise DoorError(header["error"])
@@ -46,13 +52,15 @@ class PythonDoor(ProcessDoor):
             "strides": _strides(values),
             "seconds": self.limits.seconds,
         }
-        child.write(pack(header, [values]))
+        child.write(pack(header, [values], self._directory / "request"))
         try:
             said, arrays = unpack(child.read, self.limits.megabytes * MEGABYTE)
         except FrameError as error:
             raise Ended(Status.GARBAGE, f"the worker's pipe was written to: {error}") from error
         except MemoryError as error:
             raise Ended(Status.MEMORY, f"an absurd mesh: {error}") from error
+        finally:
+            empty(self._directory)
         vertices, faces = arrays or (None, None)
         cost = {"seconds": said["seconds"], "peak_bytes": said["peak"]}
         status, changed = Status(said["status"]), said["changed"]

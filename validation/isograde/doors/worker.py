@@ -7,7 +7,8 @@ catch (exit, crash, hang, memory) the grader sees from outside.
 
 Messages
 --------
-load    ``{"load": spec, "path": [..]}``: answered by ``{"declaration": {..}}`` or ``{"error": ..}``
+load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"declaration": {..}}``
+        or ``{"error": ..}``; `path` is Python's, `files` begins the names of files for arrays
 run     ``{"isovalue": x, "spacing": [..], "strides": [..], "seconds": s}`` and the samples:
         answered by ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}`` and,
         where the status is "ok", vertices and faces
@@ -46,11 +47,12 @@ def main(log: int) -> None:
     faulthandler.enable()
     read = _reader(source)
     try:
-        extract = _serve_load(unpack(read)[0], sink)
+        asked, _ = unpack(read)
+        extract, files = _serve_load(asked, sink), Path(asked["files"])
         while extract is not None:
-            header, arrays = unpack(read)
+            header, arrays = unpack(read, mmap_mode="r")
             signal.setitimer(signal.ITIMER_REAL, header["seconds"] + GRACE_SECONDS)
-            _send(sink, *_call(extract, header, arrays[0]))
+            _send(sink, pack(*_call(extract, header, arrays[0]), files))
             signal.setitimer(signal.ITIMER_REAL, 0)
     except EOFError:
         return
@@ -80,9 +82,8 @@ def _reader(source: int) -> Callable[[int], bytearray]:
     return read
 
 
-def _send(sink: int, header: Header, arrays: Arrays) -> None:
+def _send(sink: int, buffers: list[bytes | memoryview]) -> None:
     """The frame is written whole, small ones in one go."""
-    buffers = pack(header, arrays)
     if sum(len(b) for b in buffers) < 1 << 16:
         buffers = [b"".join(buffers)]
     for buffer in buffers:
@@ -97,9 +98,9 @@ def _serve_load(header: Header, sink: int) -> Extract | None:
     try:
         extract, declaration = load(header["load"])
     except DoorError as error:
-        _send(sink, {"error": str(error)}, [])
+        _send(sink, pack({"error": str(error)}))
         return None
-    _send(sink, {"declaration": declaration_json(declaration)}, [])
+    _send(sink, pack({"declaration": declaration_json(declaration)}))
     return extract
 
 
