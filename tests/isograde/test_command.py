@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from isograde.claims import CLAIMS
 from isograde.command import app
+from isograde.disciplines.registry import ALL_CLAIMS as CLAIMS
 from isograde.doors import ready_made_names
 from isograde.report import record
 from typer.testing import CliRunner, Result
@@ -147,6 +147,16 @@ def test_lists_name_everything() -> None:
     fields = run("list", "fields").output
     assert "pairs/* (4096 cases)" in fields
     assert "real/hydrogen_atom" in fields
+
+
+def test_another_discipline_is_graded_by_its_own_claims(tmp_path: Path) -> None:
+    """Curves where two surfaces meet: the declaration says so, the command is the same."""
+    result = run("grade", "curves:marching-faces", "--only", "curves.whole", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    found = record.read(tmp_path / "report.jsonl")
+    assert found.header["implementation"]["discipline"] == "curves"
+    assert list(found.claims) == ["curves.whole"]
+    assert found.summaries["curves.whole"].counts["pass"] > 3
 
 
 def test_a_bare_call_shows_the_help() -> None:

@@ -192,7 +192,7 @@ def test_two_processes_find_what_one_finds() -> None:
     spec, cases, claims = "isoref:lorensen-cline", all_cases(0), claims_module.CLAIMS
     one, two = Options(only=("pairs/02*",)), Options(only=("pairs/02*",), jobs=2)
     tasks = plan(one, cases, claims)
-    worker = Worker.open(spec, one.limits, cases, claims)
+    worker = Worker.open(spec, one)
     try:
         alone = list(runner.run(spec, tasks, one, worker))
     finally:

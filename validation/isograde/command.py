@@ -24,9 +24,12 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from isograde import listings
 from isograde import report as reports
 from isograde.check import check
 from isograde.claims import CLAIMS
+from isograde.disciplines.registry import ALL_CLAIMS
+from isograde.disciplines.registry import READY_MADE as OTHERS
 from isograde.doors import ready_made_names
 from isograde.doors.directory import export
 from isograde.fields import all_cases, volumes
@@ -47,7 +50,8 @@ app = typer.Typer(
     "python:mine:extract[/bold]. Exit status: 0 every claim holds, 1 some fail, 2 wrong use, "
     "3 the implementation did not start, 4 nothing ran.",
 )
-console = Console(highlight=False, soft_wrap=True)
+# Leave tables room where nobody's window sets a width.
+console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
@@ -169,7 +173,7 @@ def _grade_all(options: Options, out: Path, kinds: list[str]) -> None:
     """Every ready-made implementation graded, a page each, and a comparison."""
     done: dict[str, record.Report] = {}
     absent: dict[str, str] = {}
-    for spec in ready_made_names():
+    for spec in [*ready_made_names(), *OTHERS]:
         stem = spec.replace(":", "-")
         try:
             done[stem] = _grade_quietly(spec, options, out / f"{stem}.jsonl.gz")
@@ -296,9 +300,9 @@ def explain(
     claim: Annotated[str, typer.Argument(metavar="CLAIM", help="An id, or a family of them.")],
 ) -> None:
     """Say what a claim asks, where it comes from, and what it is judged on."""
-    found = [c for name, c in CLAIMS.items() if name == claim or name.split(".")[0] == claim]
+    found = [c for name, c in ALL_CLAIMS.items() if claim in (name, name.split(".")[0])]
     if not found:
-        close = difflib.get_close_matches(claim, CLAIMS, n=3, cutoff=0.4)
+        close = difflib.get_close_matches(claim, ALL_CLAIMS, n=3, cutoff=0.4)
         hint = f"did you mean {', '.join(close)}?" if close else "`isograde list claims`"
         stop(Exit.WRONG_USE, f"no claim {claim!r}; {hint}")
     for one in found:
@@ -338,70 +342,13 @@ def list_(
     what: Annotated[Listing, typer.Argument(help="What to list.")],
 ) -> None:
     """List claims, fields, implementations or levels."""
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    LISTINGS[what](table)
-    console.print(table)
-
-
-def _list_claims(table: Table) -> None:
-    """A row a claim."""
-    for name in ("claim", "level", "rule"):
-        table.add_column(name, no_wrap=name != "rule")
-    for claim in CLAIMS.values():
-        table.add_row(claim.id, "" if claim.level is None else str(claim.level), escape(claim.rule))
-
-
-def _list_fields(table: Table) -> None:
-    """A row a case of moderate families, a row for each large one, and the known volumes."""
-    for name in ("case", "samples", "isovalue", "runs"):
-        table.add_column(name, no_wrap=True)
-    for group, members in _grouped(all_cases(0)).items():
-        cases = [all_cases(0)[name] for name in members]
-        full = all("full" in case.tags for case in cases)
-        runs = "with --full" if full else "always"
-        some = sum("full" in case.tags for case in cases)
-        if some and not full:
-            runs = f"{len(cases) - some} always, {some} with --full"
-        name = group if len(cases) == 1 else f"{group} ({len(cases)} cases)"
-        table.add_row(
-            name, str(max(case.samples for case in cases)), f"{cases[0].isovalue:g}", runs
-        )
-    for volume in volumes.REGISTRY.values():
-        if volumes.find(volume) is None:
-            told = f"absent; {volume.url or volume.source}"
-            table.add_row(f"real/{volume.name}", str(volume.samples), "", told)
-
-
-def _grouped(names: object) -> dict[str, list[str]]:
-    """Ids that differ only in their last, numeric part, under one pattern."""
-    groups: dict[str, list[str]] = {}
-    for name in names:  # type: ignore[attr-defined]
-        head, _, tail = name.rpartition("/")
-        groups.setdefault(f"{head}/*" if tail.isdigit() else name, []).append(name)
-    return groups
-
-
-def _list_implementations(table: Table) -> None:
-    """A row a ready-made name."""
-    table.add_column("implementation")
-    for name in ready_made_names():
-        table.add_row(name)
-
-
-def _list_levels(table: Table) -> None:
-    """A row a level."""
-    for name in ("level", "name", "guarantee"):
-        table.add_column(name)
-    for level, (name, promise) in LEVELS.items():
-        table.add_row(str(level), name, promise)
-
-
-LISTINGS = {
-    Listing.CLAIMS: _list_claims,
-    Listing.FIELDS: _list_fields,
-    Listing.IMPLEMENTATIONS: _list_implementations,
-    Listing.LEVELS: _list_levels,
-}
+    table = {
+        Listing.CLAIMS: listings.claims,
+        Listing.FIELDS: listings.fields,
+        Listing.IMPLEMENTATIONS: listings.implementations,
+        Listing.LEVELS: listings.levels,
+    }[what]
+    console.print(table())
 
 
 def _read(path: Path) -> record.Report:

@@ -14,9 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from isograde.claims import CLAIMS
 from isograde.doors import open_door
-from isograde.fields import all_cases
 from isograde.model import Door, DoorError, Outcome, Request
 from isograde.report import record
 from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
@@ -57,18 +55,17 @@ def grade(
         where no case and claim match.
     """
     start = time.perf_counter()
-    cases = all_cases(options.seed)
-    worker = Worker.open(spec, options.limits, cases, CLAIMS)
+    worker = Worker.open(spec, options)
     try:
-        tasks = plan(options, cases, CLAIMS, worker.declaration.discipline)
+        tasks = plan(options, worker.cases, worker.claims)
         options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
         path.parent.mkdir(parents=True, exist_ok=True)
         with record.open_text(path, "w") as file:
-            writer = Writer(file)
+            writer = Writer(file, worker)
             writer.write(record.header(spec, worker.declaration, options, list(arguments)))
-            writer.write_claims(tasks, worker)
+            writer.write_claims(tasks)
             tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
-            writer.write_evidence(smallest, worker, options)
+            writer.write_evidence(smallest, options)
             writer.write(tally.footer(time.perf_counter() - start))
     finally:
         worker.door.close()
@@ -78,29 +75,29 @@ def grade(
 class Writer:
     """Writes records, and keeps them for the pages."""
 
-    def __init__(self, file: Any):
+    def __init__(self, file: Any, worker: Worker):
         self.file = file
+        self.worker = worker
         self.records: list[record.JSON] = []
 
     def write(self, line: record.JSON) -> None:
         """One more line."""
         self.records.append(record.write_line(self.file, line))
 
-    def write_claims(self, tasks: Sequence[Task], worker: Worker) -> None:
+    def write_claims(self, tasks: Sequence[Task]) -> None:
         """A line for each claim that some task judges."""
         judged = {name for task in tasks for name in task.claims}
-        for name, claim in CLAIMS.items():
+        for name, claim in self.worker.claims.items():
             if name in judged:
-                self.write(record.claim_record(claim, worker.declaration))
+                self.write(record.claim_record(claim, self.worker.declaration))
 
     def write_results(
         self, tasks: Sequence[Task], judgements: Any, watch: Watch | None
     ) -> tuple[record.Tally, dict[str, Smallest]]:
         """A case and a result line for each task; what was counted, and the smallest failures."""
         tally, smallest = record.Tally(), dict[str, Smallest]()
-        cases = all_cases(self.records[0]["seed"])
         for judged in judgements:
-            case = cases[judged.case]
+            case = self.worker.cases[judged.case]
             self.write(record.case_record(case))
             self.write(record.result_record(judged))
             tally.add(judged)
@@ -109,10 +106,11 @@ class Writer:
                 watch(tally.cases, len(tasks), tally)
         return tally, smallest
 
-    def write_evidence(
-        self, smallest: Mapping[str, Smallest], worker: Worker, options: Options
-    ) -> None:
+    def write_evidence(self, smallest: Mapping[str, Smallest], options: Options) -> None:
         """A line for each failed claim whose smallest case, made smaller still, can be shown."""
+        worker = self.worker
+        if worker.declaration.discipline != "surfaces":
+            return
         found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
         shown = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
         tie = worker.declaration.conventions.tie

@@ -28,15 +28,16 @@ from fnmatch import fnmatchcase
 
 from isoref.field import Field
 
-from isograde.claims import CLAIMS
+from isograde.disciplines.registry import READY_MADE, Pose, discipline, pose_surfaces
 from isograde.doors import open_door
-from isograde.fields import all_cases, blocks
+from isograde.fields import blocks
 from isograde.fields.volumes import VolumeError
 from isograde.model import (
     Case,
     Claim,
     Declaration,
     Door,
+    DoorError,
     Finding,
     Limits,
     Outcome,
@@ -45,7 +46,6 @@ from isograde.model import (
     Trial,
     Verdict,
 )
-from isograde.variants import pose
 
 # Keep a failed case whole, for its picture and its numbers, up to this many samples.
 SHOWN_SAMPLES = 2200
@@ -103,18 +103,18 @@ class NothingToRun(LookupError):  # noqa: N818 - a state of the plan, not an err
     """No case and claim match what was asked for."""
 
 
-def plan(
-    options: Options,
-    cases: Mapping[str, Case],
-    claims: Mapping[str, Claim],
-    discipline: str = "surfaces",
-) -> list[Task]:
+def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim]) -> list[Task]:
     """The tasks in the order of the cases. Raises `NothingToRun`."""
     chosen_claims, chosen_cases = _select(options, cases, claims)
-    judged = [claim for claim in chosen_claims.values() if claim.discipline == discipline]
+    posed = any("posed" in case.tags for case in cases.values())
     tasks = []
     for case in chosen_cases.values():
-        wanted = tuple(claim.id for claim in judged if _applies(claim, case, options))
+        all_ways = options.full or case.id in options.only or "posed" in case.tags or not posed
+        wanted = tuple(
+            claim.id
+            for claim in chosen_claims.values()
+            if claim.applies_to(case) and (all_ways or not claim.variants)
+        )
         if wanted:
             tasks.append(Task(case.id, wanted))
     if not tasks:
@@ -154,14 +154,6 @@ def _matches(name: str, globs: Sequence[str]) -> bool:
     return any(fnmatchcase(name, glob) for glob in globs)
 
 
-def _applies(claim: Claim, case: Case, options: Options) -> bool:
-    """Whether the claim is judged on the case: by its tags, and where variants are affordable."""
-    if claim.tags and not claim.tags & case.tags:
-        return False
-    posed = options.full or "posed" in case.tags or case.id in options.only
-    return posed or not claim.variants
-
-
 @dataclass
 class Worker:
     """One open door, and the judging of what comes back through it."""
@@ -170,15 +162,20 @@ class Worker:
     declaration: Declaration
     cases: Mapping[str, Case]
     claims: Mapping[str, Claim]
-    hangs: int = fresh(default=0)
+    pose: Pose = pose_surfaces
+    hangs: int = 0
 
     @classmethod
-    def open(
-        cls, spec: str, limits: Limits, cases: Mapping[str, Case], claims: Mapping[str, Claim]
-    ) -> Worker:
-        """A worker whose door is open. Raises `DoorError`."""
-        door = open_door(spec)
-        return cls(door, door.open(limits), cases, claims)
+    def open(cls, spec: str, options: Options) -> Worker:
+        """A worker whose door is open, with what its discipline asks. Raises `DoorError`."""
+        door = open_door(READY_MADE.get(spec, spec))
+        declaration = door.open(options.limits)
+        try:
+            asked = discipline(declaration.discipline)
+        except DoorError:
+            door.close()
+            raise
+        return cls(door, declaration, asked.cases(options.seed), asked.claims, asked.pose)
 
     def judge(self, task: Task) -> Judged:
         """Every finding on one case."""
@@ -213,7 +210,8 @@ class Worker:
         for name in variants:
             if name in outcomes:
                 continue
-            posed = pose(name, trial.field, trial.case.isovalue)
+            plain = trial.field, trial.case.isovalue
+            posed = plain if name == "plain" else self.pose(name, trial.case, trial.field)
             if posed is None:
                 continue
             field, isovalue = posed
@@ -274,7 +272,7 @@ _WORKERS: list[Worker] = []
 
 def _start(spec: str, options: Options) -> None:
     """The worker of this process is open."""
-    _WORKERS[:] = [Worker.open(spec, options.limits, all_cases(options.seed), CLAIMS)]
+    _WORKERS[:] = [Worker.open(spec, options)]
 
 
 def _judge_all(tasks: Sequence[Task]) -> list[Judged]:

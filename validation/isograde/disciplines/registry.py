@@ -1,0 +1,68 @@
+"""The disciplines by name: what is asked, what is claimed, and how a case is posed otherwise.
+
+An implementation says in its declaration which discipline it belongs to; "surfaces" is the default.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from isoref.field import Field
+
+from isograde import variants
+from isograde.claims import CLAIMS
+from isograde.disciplines import curves
+from isograde.fields import all_cases
+from isograde.model import Case, Claim, DoorError
+
+Pose = Callable[[str, Case, Field], tuple[Field, float] | None]
+
+
+@dataclass(frozen=True)
+class Discipline:
+    """A kind of thing that implementations make.
+
+    cases : every case by id, for a seed
+    claims : every claim by id
+    pose : the field and the isovalue of a variant of a case; None where the values do not allow it
+    """
+
+    cases: Callable[[int], Mapping[str, Case]]
+    claims: Mapping[str, Claim]
+    pose: Pose
+
+
+def pose_surfaces(variant: str, case: Case, field: Field) -> tuple[Field, float] | None:
+    """The variant of a case as `isograde.variants` poses it."""
+    return variants.pose(variant, field, case.isovalue)
+
+
+def _pose_curves(variant: str, case: Case, field: Field) -> tuple[Field, float]:
+    """The variant of a case of the discipline `curves`."""
+    return curves.pose(variant, case, field), case.isovalue
+
+
+@cache
+def _curves(seed: int) -> dict[str, Case]:
+    """The cases of the discipline `curves` by id."""
+    return {case.id: case for case in curves.cases(seed)}
+
+
+DISCIPLINES: dict[str, Discipline] = {
+    "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces),
+    "curves": Discipline(_curves, {claim.id: claim for claim in curves.CLAIMS}, _pose_curves),
+}
+ALL_CLAIMS: dict[str, Claim] = {
+    name: claim for one in DISCIPLINES.values() for name, claim in one.claims.items()
+}
+READY_MADE: dict[str, str] = {**curves.READY_MADE}
+
+
+def discipline(name: str) -> Discipline:
+    """The discipline of this name. Raises `DoorError` for an implementation of an unknown one."""
+    if name not in DISCIPLINES:
+        known = ", ".join(DISCIPLINES)
+        raise DoorError(f"it declares the discipline {name!r}; there are {known}")
+    return DISCIPLINES[name]

@@ -1,0 +1,82 @@
+"""What `isograde list` shows, as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rich.markup import escape
+from rich.table import Table
+
+from isograde.disciplines.registry import ALL_CLAIMS, DISCIPLINES
+from isograde.disciplines.registry import READY_MADE as OTHERS
+from isograde.doors.ready_made import READY_MADE
+from isograde.fields import volumes
+from isograde.model import LEVELS, Case
+
+
+def _table(*columns: str) -> Table:
+    """A plain table; the first column is never broken."""
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
+    for index, name in enumerate(columns):
+        table.add_column(name, no_wrap=index == 0, overflow="fold")
+    return table
+
+
+def claims() -> Table:
+    """A row a claim."""
+    table = _table("claim", "level", "rule")
+    for claim in ALL_CLAIMS.values():
+        table.add_row(claim.id, "" if claim.level is None else str(claim.level), escape(claim.rule))
+    return table
+
+
+def fields() -> Table:
+    """A row a case, or a row for many that differ in a number only; then what is not here."""
+    table = _table("case", "samples", "isovalue", "runs")
+    for discipline in DISCIPLINES.values():
+        cases = discipline.cases(0)
+        for group, members in _grouped(cases).items():
+            table.add_row(*_row(group, [cases[name] for name in members]))
+    for volume in volumes.REGISTRY.values():
+        if volumes.find(volume) is None:
+            told = f"absent; {volume.url or volume.source}"
+            table.add_row(f"real/{volume.name}", str(volume.samples), "", told)
+    return table
+
+
+def _row(group: str, cases: list[Case]) -> tuple[str, str, str, str]:
+    """The name, size, isovalue and occasion of a group of cases."""
+    rare = sum("full" in case.tags for case in cases)
+    runs = {0: "always", len(cases): "with --full"}.get(
+        rare, f"{len(cases) - rare} always, {rare} with --full"
+    )
+    name = group if len(cases) == 1 else f"{group} ({len(cases)} cases)"
+    return name, str(max(case.samples for case in cases)), f"{cases[0].isovalue:g}", runs
+
+
+def _grouped(names: Iterable[str]) -> dict[str, list[str]]:
+    """Ids that differ only in their last, numeric part, under one pattern."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        head, _, tail = name.rpartition("/")
+        groups.setdefault(f"{head}/*" if tail.isdigit() else name, []).append(name)
+    return groups
+
+
+def implementations() -> Table:
+    """A row a ready-made name."""
+    table = _table("implementation", "package", "level", "notes")
+    for name, made in READY_MADE.items():
+        package = f"{made.distribution} {made.version}"
+        table.add_row(name, package, str(made.level), escape(made.notes))
+    for name in OTHERS:
+        table.add_row(name, "", "", f"discipline {name.split(':')[0]}")
+    return table
+
+
+def levels() -> Table:
+    """A row a level."""
+    table = _table("level", "name", "guarantee")
+    for level, (name, promise) in LEVELS.items():
+        table.add_row(str(level), name, promise)
+    return table
