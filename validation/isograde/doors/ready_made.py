@@ -41,6 +41,7 @@ class ReadyMade:
     level: int = 2
     without: frozenset[str] = fresh(default_factory=frozenset)
     notes: str = ""
+    connectivity: str = ""
 
     @property
     def version(self) -> str:
@@ -53,7 +54,13 @@ class ReadyMade:
     def declaration(self, name: str) -> Declaration:
         """What it declares."""
         return Declaration(
-            name, self.version, self.level, self.conventions, without=self.without, notes=self.notes
+            name,
+            self.version,
+            self.level,
+            self.conventions,
+            without=self.without,
+            notes=self.notes,
+            connectivity=self.connectivity,
         )
 
 
@@ -253,6 +260,16 @@ def _isoref(name: str) -> Extract:
     return extract
 
 
+def _connectivity(name: str) -> str:
+    """The mode in a VESTA method's name, which it promises; nothing for any other method.
+
+    >>> _connectivity("marching-vesta-mixed-H"), _connectivity("asymptotic-decider")
+    ('mixed', '')
+    """
+    _, vesta, rest = name.partition("vesta-")
+    return rest.partition("-")[0] if vesta else ""
+
+
 # What becomes of samples that are given as inside or outside, with no values.
 _LABELS = frozenset({"linear-crossing"})
 _DUAL = frozenset({"on-edges", "linear-crossing", "manifold"})
@@ -327,4 +344,9 @@ READY_MADE: dict[str, ReadyMade] = {
         notes="samples the trilinear interpolant on a body-centred grid of its own; "
         "closes the surface at the border",
     ),
-} | {f"isoref:{name}": ReadyMade("isograde", partial(_isoref, name)) for name in METHODS}
+} | {
+    f"isoref:{name}": ReadyMade(
+        "isograde", partial(_isoref, name), connectivity=_connectivity(name)
+    )
+    for name in METHODS
+}
