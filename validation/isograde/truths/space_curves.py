@@ -427,7 +427,7 @@ def phase_winding(phase: Points, axis: int) -> NDArray[np.int64]:
 
     walk = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1), corner(0, 0)]
     steps = [(b - a + np.pi) % (2 * np.pi) - np.pi for a, b in pairwise(walk)]
-    return np.rint(np.sum(steps, axis=0) / (2 * np.pi)).astype(np.int64)
+    return np.asarray(np.rint(np.sum(steps, axis=0) / (2 * np.pi)), np.int64)
 
 
 # --- distance ------------------------------------------------------------------------------------
