@@ -193,6 +193,14 @@ class TestClosure:
         assert sum(len(curve.points) for curve in curves) == len(points) > 1000
         assert ends_on_border(curves, a)
 
+    def test_a_face_has_one_to_four_points(self) -> None:
+        """Section 6 says one or two; two ambiguous configurations make up to four."""
+        chance = np.random.default_rng(3)
+        a, b = (Field.of(chance.normal(size=(14, 14, 14))) for _ in range(2))
+        points = marching_faces(a, b)
+        _, count = np.unique(6 * points.voxels + points.faces, return_counts=True)
+        assert np.unique(count).tolist() == [1, 2, 3, 4]
+
     def test_identical_surfaces_have_no_point_in_common(self) -> None:
         """The stated answer: as if the first isovalue were lower by a trifle."""
         x, y, z = lattice(9)
