@@ -54,7 +54,7 @@ def contestants(first: Field, second: Field) -> dict[str, Run]:
 
 def table(side: int, rounds: int) -> str:
     """The Markdown table for one size."""
-    psi = random_waves((side,) * 3, WAVE_NUMBER)  # type: ignore[arg-type]
+    psi = random_waves((side, side, side), WAVE_NUMBER)
     first, second = real_and_imaginary(psi, 1 / (side - 1))
     first, second = (Field.of(np.ascontiguousarray(f.values), f.spacing) for f in (first, second))
     del psi
