@@ -74,7 +74,7 @@ def changed(change: Change) -> Extract:
 @pytest.mark.parametrize("name", ["curves:marching-faces", "curves:surface-intersection"])
 def test_the_reference_passes_everything_through_a_real_door(name: str) -> None:
     """Both methods of the paper, each in a process of its own."""
-    door = open_door(curve_methods.READY_MADE[name])
+    door = open_door(discipline.READY_MADE[name])
     declaration = door.open(Limits())
     try:
         assert declaration.discipline == "curves"

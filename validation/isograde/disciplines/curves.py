@@ -505,6 +505,13 @@ CLAIMS: tuple[Claim, ...] = (
 )
 
 
+# Short names of the implementations in `isograde.doors.curve_methods`.
+READY_MADE: Mapping[str, str] = {
+    f"curves:{name.replace('_', '-')}": f"python:isograde.doors.curve_methods:{name}"
+    for name in ("marching_faces", "surface_intersection", "vtk")
+}
+
+
 # --- grading -------------------------------------------------------------------------------------
 
 

@@ -1,12 +1,11 @@
 """Ready-made implementations of the discipline ``curves``: both methods of the reference, and VTK.
 
-Each is a function as the doors call it (`isograde.disciplines.curves.through_door`); `READY_MADE`
-names its door.
+Each is a function as the doors call it (`isograde.disciplines.curves.through_door`); that module's
+`READY_MADE` names their doors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from types import ModuleType
@@ -94,8 +93,3 @@ def vtk_contour_twice(
 marching_faces = through_door(_reference(isoref.marching_faces))
 surface_intersection = through_door(_reference(isoref.surface_intersection))
 vtk = through_door(vtk_contour_twice)
-
-READY_MADE: Mapping[str, str] = {
-    f"curves:{name.replace('_', '-')}": f"python:isograde.doors.curve_methods:{name}"
-    for name in ("marching_faces", "surface_intersection", "vtk")
-}
