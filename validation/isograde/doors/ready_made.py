@@ -270,26 +270,31 @@ def _connectivity(name: str) -> str:
     return rest.partition("-")[0] if vesta else ""
 
 
-# What becomes of samples that are given as inside or outside, with no values.
+# What is not promised where samples are given as inside or outside, with no values; where
+# vertices stand in cells; where the surface is sampled on another grid than ours.
 _LABELS = frozenset({"linear-crossing"})
-_DUAL = frozenset({"on-edges", "linear-crossing", "manifold"})
+_DUAL = frozenset({"on-edges", "linear-crossing", "manifold", "border"})
 _OWN_GRID = frozenset({"on-edges", "linear-crossing", "separates", "border"})
 
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
 _VTK = Conventions(nan="answers")
+
+# Methods of the reference that promise more than to be consistent.
+_PROMISES = {"asymptotic-decider": 3, "trilinear-cubes": 4}
 
 READY_MADE: dict[str, ReadyMade] = {
     "skimage:lewiner": ReadyMade(
         "scikit-image",
         partial(_skimage, "lewiner"),
         _SKIMAGE,
-        notes="computes in float32; raises where there is no surface",
+        level=4,
+        notes="its documentation guarantees topologically correct results; computes in float32",
     ),
     "skimage:lorensen": ReadyMade(
         "scikit-image",
         partial(_skimage, "lorensen"),
         _SKIMAGE,
-        notes="computes in float32; raises where there is no surface",
+        notes="computes in float32",
     ),
     "pymcubes": ReadyMade(
         "PyMCubes",
@@ -346,7 +351,10 @@ READY_MADE: dict[str, ReadyMade] = {
     ),
 } | {
     f"isoref:{name}": ReadyMade(
-        "isograde", partial(_isoref, name), connectivity=_connectivity(name)
+        "isograde",
+        partial(_isoref, name),
+        level=_PROMISES.get(name, 2),
+        connectivity=_connectivity(name),
     )
     for name in METHODS
 }
