@@ -3,7 +3,6 @@
 from isograde.claims import (
     cases,
     counting,
-    cycles,
     frequencies,
     geometry,
     robustness,
@@ -20,7 +19,6 @@ FAMILIES = (
     trilinear,
     geometry,
     cases,
-    cycles,
     frequencies,
     counting,
     symmetry,

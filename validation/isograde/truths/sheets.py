@@ -110,7 +110,7 @@ def _cells(
     last = np.array(shape) - 2
     cell = np.clip(np.floor(corners.mean(axis=1)).astype(np.int64), 0, last)
     plane = np.rint(corners[:, 0])
-    flat = _flat(places, faces)
+    flat: Booleans = np.abs(corners - plane[:, None]).max(axis=1) < 1e-6
     if flats != "none":
         shifted = np.clip(plane - (flats == "lower"), 0, last).astype(np.int64)
         cell = np.where(flat, shifted, cell)
@@ -118,13 +118,6 @@ def _cells(
     if flats == "none":
         kept = ~np.logical_or.reduce(flat, axis=1)
     return np.asarray(np.ravel_multi_index(tuple(cell[kept].T), tuple(shape))), kept
-
-
-def _flat(places: Floats, faces: Integers) -> Booleans:
-    """(F, 3) whether the triangle lies in a plane of the lattice across this axis."""
-    corners = places[faces]
-    gap = np.abs(corners - np.rint(corners[:, :1]))
-    return np.asarray(gap.max(axis=1) < 1e-6)
 
 
 def _edges_of(places: Floats, cell: Integers) -> Integers:
@@ -218,14 +211,9 @@ def faults(truths: Truths, found: Sheets) -> Integers:
 def judge(
     places: Floats, faces: Integers, index: Integers, truths: Truths, shape: Sequence[int]
 ) -> list[Fault]:
-    """The fault of each cell, flat triangles taken in the mesh's favour.
-
-    Of the faults of several readings the last in order is named: the earlier ones it passed.
-    """
+    """The fault of each cell, flat triangles taken in the mesh's favour."""
     names = list(Fault)
     readings: tuple[Flats, ...] = ("upper", "lower", "none")
-    if not _flat(places, faces).any():
-        readings = ("upper",)
-    found = np.array([faults(truths, sheets(places, faces, index, shape, r)) for r in readings])
-    best = np.where((found == 0).any(axis=0), 0, found.max(axis=0))
+    found = [faults(truths, sheets(places, faces, index, shape, way)) for way in readings]
+    best = np.where((np.array(found) == 0).any(axis=0), 0, found[0])
     return [names[k] for k in best]

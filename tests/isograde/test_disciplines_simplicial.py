@@ -1,0 +1,200 @@
+"""The discipline ``simplices``: right answers pass, and each claim catches its broken one."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.disciplines import simplicial
+from isograde.disciplines.simplicial import CLAIMS, READY_MADE, cases, grade, isoref_simplices
+from isograde.model import Case, Declaration, Door, Limits, Outcome, Request, Status, Verdict
+from isograde.truths import simplices as truth
+from isograde.truths.known_manifolds import MANIFOLDS
+
+CASES = {case.id.removeprefix("simplices/"): case for case in cases()}
+Simplices = Callable[[Any, tuple[float, ...]], Any]
+
+
+class Direct(Door):
+    """A door that calls a function in this process."""
+
+    def __init__(self, function: Simplices):
+        self.function = simplicial.through_door(function)
+
+    def open(self, limits: Limits) -> Declaration:
+        """Nothing to start."""
+        return Declaration("direct", discipline="simplices")
+
+    def run(self, request: Request) -> Outcome:
+        """The answer, moved to the field's origin as the doors do."""
+        try:
+            vertices, simplices = self.function(request.field.values, 0.0, request.field.spacing)
+        except NotImplementedError as error:
+            return Outcome(Status.DECLINED, detail=str(error))
+        if vertices.shape[1] == request.field.dimension:
+            vertices = vertices + np.asarray(request.field.origin)
+        return Outcome(Status.OK, vertices, simplices)
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+def verdicts(function: Simplices, asked: Iterable[Case]) -> dict[str, set[Verdict]]:
+    """What is said of each claim, over the cases."""
+    said: dict[str, set[Verdict]] = {}
+    for _, claim, finding in grade(Direct(function), Declaration("direct"), asked):
+        said.setdefault(claim.removeprefix("simplices."), set()).add(finding.verdict)
+    return said
+
+
+def failing(function: Simplices, *names: str) -> set[str]:
+    """The claims that fail on some of these cases."""
+    said = verdicts(function, [CASES[name] for name in names])
+    return {claim for claim, found in said.items() if Verdict.FAIL in found}
+
+
+@pytest.mark.parametrize("name", [*MANIFOLDS, "noise-5-3", "integers-4-2", "apart"])
+def test_the_reference_passes_every_claim(name: str) -> None:
+    """A right answer must pass, on known manifolds, noise, ties and where there is nothing."""
+    said = verdicts(isoref_simplices, [CASES[name]])
+    assert said
+    assert all(found == {Verdict.PASS} for found in said.values()), said
+
+
+def test_the_printed_tables_fail_conformity_in_dimension_five_and_nothing_else() -> None:
+    """Table 4 of Min: the union is the same set, but no complex."""
+    assert failing(simplicial.isoref_printed_tables, "noise-5-3") == {"conforming"}
+    assert failing(simplicial.isoref_printed_tables, "noise-4-2", "sphere") == set()
+
+
+@pytest.mark.parametrize("library", ["skimage", "contourpy"])
+def test_libraries_pass_where_they_answer_and_decline_elsewhere(library: str) -> None:
+    """One component in the plane or in space; what a library does not do is no failure."""
+    pytest.importorskip(library)
+    function = {
+        "skimage": simplicial.skimage_measure,
+        "contourpy": simplicial.contourpy_lines,
+    }[library]
+    said = verdicts(function, [CASES[n] for n in ("circle", "flat-2-1", "sphere", "noise-4-2")])
+    for claim, found in said.items():
+        assert found <= {Verdict.PASS, Verdict.UNSUPPORTED}, claim
+    assert Verdict.PASS in said["converges"]
+
+
+def broken(change: Callable[[Any, Any], Any]) -> Simplices:
+    """The reference with a changed answer."""
+    return lambda values, spacing: change(*isoref_simplices(values, spacing))
+
+
+def largest(vertices: Any, simplices: Any) -> int:
+    """The number of the largest simplex, which is not flat and not on the border."""
+    return int(truth.measures(vertices, simplices).argmax())
+
+
+def doubled(vertices: Any, simplices: Any) -> Any:
+    """One simplex more, on the facets of the largest, to a vertex of its own."""
+    which = largest(vertices, simplices)
+    extra = simplices[which : which + 1].copy()
+    extra[0, -1] = len(vertices)
+    middle = vertices[simplices[which]].mean(axis=0)
+    return np.vstack([vertices, middle]), np.vstack([simplices, extra])
+
+
+def turned(vertices: Any, simplices: Any) -> Any:
+    """The largest simplex turned over."""
+    out, which = simplices.copy(), largest(vertices, simplices)
+    out[which, -2:] = out[which, -2:][::-1]
+    return vertices, out
+
+
+def pierced(vertices: Any, simplices: Any) -> Any:
+    """Without the largest simplex."""
+    return vertices, np.delete(simplices, largest(vertices, simplices), axis=0)
+
+
+def bubble(vertices: Any, simplices: Any) -> Any:
+    """A copy of the surface, so small that it fits one cell."""
+    tiny = vertices[simplices[0, 0]] + 1e-4 * (vertices - vertices.mean(axis=0))
+    return np.vstack([vertices, tiny]), np.vstack([simplices, simplices + len(vertices)])
+
+
+def to_the_middle(values: Any, spacing: tuple[float, ...]) -> Any:
+    """Crossings half-way between samples: only signs are looked at."""
+    return isoref_simplices(np.where(values >= 0, 1.0, -1.0), spacing)
+
+
+@pytest.mark.parametrize(
+    ("function", "case", "caught", "by_the_way"),
+    [
+        (broken(lambda v, s: (v[:, :-1], s)), "sphere", "well-formed", set()),
+        (broken(lambda v, s: (v, s[:, :-1])), "sphere", "well-formed", set()),
+        (broken(lambda v, s: (v, s + 1)), "sphere", "well-formed", set()),
+        (broken(pierced), "sphere", "closed", {"euler"}),
+        (broken(pierced), "circle-in-space", "closed", {"euler", "converges"}),
+        (broken(pierced), "clifford-torus", "closed", {"euler"}),
+        (broken(doubled), "clifford-torus", "manifold", {"closed"}),
+        (broken(turned), "circle-in-space", "oriented", {"side"}),
+        (broken(turned), "clifford-torus", "oriented", {"side"}),
+        (broken(lambda v, s: (v, np.flip(s, 1))), "circle-in-space", "side", set()),
+        (broken(bubble), "circle", "euler", {"converges"}),
+        (broken(lambda v, s: (v + 0.3, s)), "circle", "at-crossing", {"converges"}),
+        (to_the_middle, "flat-3-2", "flat", {"euler"}),
+        (to_the_middle, "sphere", "converges", set()),
+        (lambda v, h: isoref_simplices(v - 0.05, h), "flat-2-1", "flat", set()),
+        (broken(lambda v, s: (np.eye(3)[:2], np.array([[0, 1]]))), "apart", "nothing", set()),
+    ],
+)
+def test_each_claim_catches_its_broken_implementation(
+    function: Simplices, case: str, caught: str, by_the_way: set[str]
+) -> None:
+    """What follows from the same fault may fail too; nothing else does."""
+    found = failing(function, case)
+    assert caught in found
+    assert found <= {caught, *by_the_way}
+
+
+def test_every_claim_has_its_broken_implementation_and_every_case_a_claim() -> None:
+    """Nothing is listed that is never judged."""
+    assert all(any(claim.applies_to(case) for case in CASES.values()) for claim in CLAIMS)
+    assert all(any(claim.applies_to(case) for claim in CLAIMS) for case in CASES.values())
+    assert len({claim.id for claim in CLAIMS}) == len(CLAIMS)
+
+
+def test_an_implementation_that_raises_is_an_error_not_a_pass() -> None:
+    """Only a mesh can pass."""
+
+    class Raising(Direct):
+        def run(self, request: Request) -> Outcome:
+            return Outcome(Status.RAISED, detail="ValueError: no")
+
+    door = Raising(isoref_simplices)
+    said = {f.verdict for _, _, f in grade(door, Declaration("x"), [CASES["circle"]])}
+    assert said == {Verdict.ERROR}
+
+
+def test_ready_made_names_go_through_a_real_door() -> None:
+    """`python:` doors find the functions, in a process of their own."""
+    from isograde.doors import open_door
+
+    door = open_door(READY_MADE["simplices:reference"])
+    declaration = door.open(Limits())
+    try:
+        assert declaration.discipline == "simplices"
+        found = list(grade(door, declaration, [CASES["circle-in-space"]]))
+    finally:
+        door.close()
+    assert {finding.verdict for _, _, finding in found} == {Verdict.PASS}
+
+
+@pytest.mark.parametrize("name", [k for k, v in MANIFOLDS.items() if v.volume is not None])
+def test_volumes_of_known_manifolds_agree_with_monte_carlo(name: str) -> None:
+    """The co-area formula: the mean of |Jacobian| over a thin shell, divided by its thickness."""
+    known = MANIFOLDS[name]
+    rng = np.random.default_rng(7)
+    d, total, hits = 0.12, 0.0, 200_000
+    points = rng.uniform(-known.half, known.half, (hits, known.n))
+    near = (abs(known.phi(points)) < d).all(axis=1)
+    g = known.gradients(points[near])
+    total = np.sqrt(np.linalg.det(g @ g.transpose(0, 2, 1))).sum()
+    volume = total / hits * (2 * known.half) ** known.n / (2 * d) ** known.m
+    assert volume == pytest.approx(known.volume, rel=0.06)
