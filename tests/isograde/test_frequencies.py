@@ -2,18 +2,32 @@
 
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
 from isograde.claims import CLAIMS
 from isograde.fields import nielson_hamann
 from isograde.frequencies import ROWS, configuration, frequencies
-from isograde.model import Case, Declaration, Finding, Outcome, Status, Trial, Verdict
+from isograde.model import (
+    Case,
+    Conventions,
+    Declaration,
+    Finding,
+    Limits,
+    Outcome,
+    Status,
+    Trial,
+    Verdict,
+)
+from isograde.runner import Task, Worker
 from isoref import asymptotic_decider, cube, lorensen_cline
 from isoref.field import Field, FieldError, Floats
 from isoref.mesh import Mesh
 from isoref.rule import Rule
 from isoref.sweep import sweep
+
+from tests.isograde.miniatures import BROKEN, Inside, Miniature, asymptotic, made, star
 
 
 def by_the_reference(field: Field, isovalue: float) -> Counter[str]:
@@ -142,3 +156,47 @@ def test_the_claim_fails_a_mesh_with_a_missing_cell() -> None:
     finding = judged(noise(6), without_one)
     assert finding.verdict is Verdict.FAIL
     assert finding.numbers["found"]["none"] == 1
+
+
+def by_miniature(miniature: Miniature) -> set[Verdict]:
+    """What the claim says of a miniature, on noise, integers and ties."""
+    rng = np.random.default_rng(3)
+    fields = {
+        "noise": Field.of(np.rint(64 * rng.normal(size=(6, 5, 7))) / 64, (0.5, 1, 2), (3, -4, 5)),
+        "integers": Field.of(rng.integers(0, 6, (5, 5, 5)).astype(float)),
+        "ties": Field.of(rng.integers(-1, 2, (5, 5, 5)).astype(float)),
+    }
+    levels = {"noise": 0.13, "integers": 2.5, "ties": 0.0}
+    cases = {
+        name: Case(name, partial(fields.__getitem__, name), levels[name], 125) for name in fields
+    }
+    door = Inside(miniature)
+    worker = Worker(door, door.open(Limits()), cases, CLAIMS)
+    wanted = ("cases.frequencies",)
+    return {worker.judge(Task(name, wanted)).findings[wanted[0]].verdict for name in cases}
+
+
+@pytest.mark.parametrize(
+    "miniature",
+    [
+        Miniature("asymptotic", made(decide=asymptotic), level=3),
+        Miniature("inner vertices", made(decide=asymptotic, cut=star), level=3),
+        Miniature(
+            "ties outside",
+            made(decide=asymptotic, tie_inside=False),
+            conventions=Conventions(tie="outside"),
+            level=3,
+        ),
+    ],
+    ids=lambda m: m.name,
+)
+def test_right_answers_pass_whatever_their_conventions(miniature: Miniature) -> None:
+    """The grader is graded: right answers, made by code that is neither reference nor truth."""
+    assert by_miniature(miniature) == {Verdict.PASS}
+
+
+@pytest.mark.parametrize("name", ["fixed polarity", "face means", "1987"])
+def test_broken_miniatures_are_caught(name: str) -> None:
+    """What topology.bilinear catches face by face follows through to the counts."""
+    (miniature,) = (m for m in BROKEN if m.name == name)
+    assert Verdict.FAIL in by_miniature(miniature)
