@@ -18,13 +18,13 @@ import trimesh
 import typer
 from isoref.field import Field, FieldError
 from isoref.mesh import Mesh
-from isoref.methods import METHODS
+from isoref.methods import METHODS, RULES
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from isograde import listings
+from isograde import listings, proof
 from isograde import report as reports
 from isograde.check import check
 from isograde.claims import CLAIMS
@@ -293,6 +293,26 @@ def frequencies_(
     except (volumes.VolumeError, FieldError) as error:
         stop(Exit.WRONG_USE, str(error))
     console.print(table, end="", markup=False)
+
+
+@app.command(name="prove")
+def prove_(
+    rule: Annotated[str, typer.Argument(metavar="RULE", help="A cube rule of the reference.")],
+    why: Annotated[bool, typer.Option("--why", help="Also print the argument.")] = False,
+    shown: Annotated[int, typer.Option("--shown", help="How many tears to list.")] = 8,
+) -> None:
+    """Prove that a cube rule is closed, oriented and manifold on every field, or show where not.
+
+    Enumerates all its tiles and all pairs that can meet at a face. Exit 0 proved, 1 not.
+    """
+    if rule not in RULES:
+        stop(Exit.WRONG_USE, f"no cube rule {rule!r}; there are {', '.join(sorted(RULES))}")
+    if why:
+        console.print(inspect.getdoc(proof), markup=False)
+        console.print()
+    found = proof.prove(RULES[rule])
+    console.print(found.text(shown), markup=False, soft_wrap=True)
+    raise typer.Exit(Exit.HOLDS if found.holds else Exit.FAILS)
 
 
 @app.command()

@@ -121,8 +121,8 @@ class Tear:
 
     def __str__(self) -> str:
         return (
-            f"axis {self.axis}: cell {self.low.cell} below draws {_drawn(self.low.segments)}, "
-            f"cell {self.high.cell} above draws {_drawn(self.high.segments)}"
+            f"axis {self.axis}: {self.low.cell} below draws {_drawn(self.low.segments)}, "
+            f"{self.high.cell} above draws {_drawn(self.high.segments)}"
         )
 
 
@@ -135,7 +135,7 @@ class Proof:
     meetings : how many kinds of face two cells can meet at (axis, signs, decision)
     tears : pairs of cells that break statement 3
     faults : everything else that is wrong, in words
-    tried : random pairs of cells on which both decisions were compared
+    tried : random pairs of cells on which both decisions were compared, 0 where nothing is decided
     """
 
     rule: str
@@ -152,15 +152,19 @@ class Proof:
 
     def text(self, shown: int = 8) -> str:
         """The result in words, with the first few of what is wrong."""
+        compared = f"compared on {self.tried} pairs of cells" if self.tried else "none to compare"
         enumerated = (
-            f"{self.rule}: {self.tiles} tiles, {self.meetings} kinds of face at which cells meet, "
-            f"decisions compared on {self.tried} pairs of cells."
+            f"{self.rule}: {self.tiles} tiles, {self.meetings} kinds of face at which cells meet; "
+            f"decisions: {compared}."
         )
         if self.holds:
             return f"{enumerated}\nClosed, oriented and manifold on every field."
         lines = [enumerated, "Not proved."]
         if self.tears:
-            lines.append(f"{len(self.tears)} pairs of cells tear at the face they share:")
+            lines.append(
+                f"{len(self.tears)} pairs of cells tear at the face they share (a cell is its eight "
+                "signs, corner 7 first; places on the face in half steps):"
+            )
             lines += [f"  {tear}" for tear in self.tears[:shown]]
         lines += [f"  {fault}" for fault in self.faults[:shown]]
         hidden = max(len(self.tears) - shown, 0) + max(len(self.faults) - shown, 0)
@@ -175,7 +179,8 @@ def prove(rule: Rule, pairs: int = 20_000) -> Proof:
     tears = [tear for key, sides in meetings.items() for tear in tears_at(key[0], *sides)]
     faults += [fault for key, sides in meetings.items() for fault in shared_chords(key, *sides)]
     faults += undecided(rule, pairs)
-    return Proof(rule.name, len(cells), len(meetings), tuple(tears), tuple(faults), pairs)
+    tried = pairs if rule.bits else 0
+    return Proof(rule.name, len(cells), len(meetings), tuple(tears), tuple(faults), tried)
 
 
 # ------------------------------------------------------------------------------------------------
