@@ -93,6 +93,11 @@ def stop(status: Exit, message: str) -> NoReturn:
     raise typer.Exit(status)
 
 
+def say(text: str) -> None:
+    """Print a line, however long it is."""
+    console.print(text, soft_wrap=True)
+
+
 @app.command()
 def grade(
     implementation: Annotated[
@@ -134,7 +139,7 @@ def grade(
     pages = reports.write(result, out, "report", kinds)
     _tell(result)
     shown = pages[0] if pages else out / "report.jsonl"
-    console.print(f"\nreport: [bold]{escape(str(shown))}[/]")
+    say(f"\nreport: [bold]{escape(str(shown))}[/]")
     raise typer.Exit(Exit.FAILS if result.broken else Exit.HOLDS)
 
 
@@ -182,7 +187,7 @@ def _grade_all(options: Options, out: Path, kinds: list[str]) -> None:
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
         reports.write(done[stem], out, stem, kinds)
-        console.print(f"{escape(spec):40} {words.reached(done[stem])}")
+        say(f"{escape(spec):40} {words.reached(done[stem])}")
     if not done:
         stop(Exit.NOT_STARTED, "no implementation started")
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
@@ -190,7 +195,7 @@ def _grade_all(options: Options, out: Path, kinds: list[str]) -> None:
     page = comparison.comparison_page(found, links, absent)
     place = reports.write_whole(out / "comparison.html", page)
     reports.write_whole(out / "comparison.md", comparison.markdown_table(found))
-    console.print(f"\ncomparison: [bold]{escape(str(place))}[/]")
+    say(f"\ncomparison: [bold]{escape(str(place))}[/]")
     raise typer.Exit(Exit.FAILS if any(one.broken for one in found) else Exit.HOLDS)
 
 
@@ -209,7 +214,7 @@ def _grade_quietly(spec: str, options: Options, path: Path) -> record.Report:
 
 def _tell(result: record.Report) -> None:
     """Print the ladder and what failed."""
-    console.print(f"[bold]{escape(result.name)}[/]: {words.reached(result)}")
+    say(f"[bold]{escape(result.name)}[/]: {words.reached(result)}")
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     colours = {"pass": "green", "fail": "red", "not judged": "dim"}
     for rung in reversed(result.rungs):
@@ -222,7 +227,7 @@ def _tell(result: record.Report) -> None:
         failure = summary.failure
         assert failure is not None
         colour = "red" if summary.claim["held"] else "dim"
-        console.print(
+        say(
             f"[{colour}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
             f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
         )
@@ -234,7 +239,7 @@ def check_(implementation: Spec) -> None:
     advice = check(implementation)
     for verdict, sentence in advice:
         colour = "green" if verdict is Verdict.PASS else "red"
-        console.print(f"[{colour}]{verdict.value:>11}[/]  {escape(sentence)}")
+        say(f"[{colour}]{verdict.value:>11}[/]  {escape(sentence)}")
     if all(verdict is Verdict.PASS for verdict, _ in advice):
         return
     started = len(advice) > 1
@@ -389,16 +394,16 @@ def diff(before: Path, after: Path) -> None:
     old, new = _read(before), _read(after)
     found = comparison.changes(old, new)
     for change in found:
-        console.print(f"[bold]{change.claim}[/]: {change.before} → {change.after}")
+        say(f"[bold]{change.claim}[/]: {change.before} → {change.after}")
         for colour, word, cases in (
             ("red", "broke", change.broken),
             ("green", "mended", change.mended),
         ):
             shown = ", ".join(cases[:5]) + (f" and {len(cases) - 5} more" if len(cases) > 5 else "")
             if cases:
-                console.print(f"  [{colour}]{len(cases)} {word}[/]: {escape(shown)}")
+                say(f"  [{colour}]{len(cases)} {word}[/]: {escape(shown)}")
     if not found:
-        console.print("no case that both judged went from good to bad or back")
+        say("no case that both judged went from good to bad or back")
     raise typer.Exit(Exit.FAILS if any(change.broken for change in found) else Exit.HOLDS)
 
 
@@ -414,7 +419,7 @@ def compare(
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
         page = comparison.comparison_page(found, [""] * len(found))
         text = page if out.suffix == ".html" else comparison.markdown_table(found)
-        console.print(f"comparison: [bold]{escape(str(reports.write_whole(out, text)))}[/]")
+        say(f"comparison: [bold]{escape(str(reports.write_whole(out, text)))}[/]")
         return
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("claim", no_wrap=True)
