@@ -227,3 +227,12 @@ def test_frequencies_are_a_table(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert "| 4 | 1 |" in result.output
     assert run("frequencies", tmp_path / "two.npy", "--isovalue", "0.5").exit_code == 2
+
+
+def test_a_rule_is_proved_or_the_pairs_that_tear_are_named() -> None:
+    """Nielson & Hamann 1991, Figure 3: the rule of 1987 tears, its repair does not."""
+    good, bad = run("prove", "asymptotic-decider"), run("prove", "lorensen-cline")
+    assert (good.exit_code, bad.exit_code) == (0, 1)
+    assert "manifold on every field" in good.output
+    assert "tear" in bad.output
+    assert run("prove", "asymptotic").exit_code == 2

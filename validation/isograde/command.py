@@ -36,6 +36,7 @@ from isograde.fields import all_cases, volumes
 from isograde.frequencies import frequencies
 from isograde.grading import grade as grade_one
 from isograde.model import LEVELS, Case, Claim, DoorError, Limits, Request, Verdict
+from isograde.proof import prove
 from isograde.report import comparison, record, words
 from isograde.runner import BAD, NothingToRun, Options, plan, processors
 from isograde.variants import pose
@@ -459,6 +460,20 @@ def extract(
         f"{len(mesh.vertices):,} vertices, {len(mesh.simplices):,} triangles: "
         f"[bold]{escape(str(out))}[/]"
     )
+
+
+@app.command(name="prove")
+def prove_(
+    rule: Annotated[str, typer.Argument(metavar="RULE", help=f"{', '.join(RULES)}.")],
+) -> None:
+    """Prove by enumeration that a rule of isoref is closed and manifold on every field."""
+    if rule not in RULES:
+        close = difflib.get_close_matches(rule, RULES, n=1)
+        hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(RULES)}"
+        stop(Exit.WRONG_USE, f"no rule {rule!r}; {hint}")
+    proof = prove(RULES[rule])
+    console.print(proof.text(), markup=False, soft_wrap=True)
+    raise typer.Exit(Exit.HOLDS if proof.holds else Exit.FAILS)
 
 
 def _volume(name: str) -> Field:

@@ -80,8 +80,25 @@ def mark(report: Report, claim: str) -> tuple[str, str]:
     return summary.state, ""
 
 
+def by_discipline(reports: Sequence[Report]) -> dict[str, list[Report]]:
+    """The reports of each discipline."""
+    groups: dict[str, list[Report]] = {}
+    for report in reports:
+        groups.setdefault(report.header["implementation"]["discipline"], []).append(report)
+    return groups
+
+
 def markdown_table(reports: Sequence[Report]) -> str:
-    """Claims down, implementations across, as Markdown."""
+    """Claims down, implementations across, as Markdown; a table a discipline."""
+    tables = [
+        f"## {name.capitalize()}\n\n{_rows(group)}\n"
+        for name, group in by_discipline(reports).items()
+    ]
+    return "\n".join(["# Comparison\n", *tables])
+
+
+def _rows(reports: Sequence[Report]) -> str:
+    """The rows of one table."""
     lines = ["| claim | level | " + " | ".join(r.name for r in reports) + " |"]
     lines.append("| --- | ---: |" + " --- |" * len(reports))
     levels = " | ".join(f"**{words.reached(report)}**" for report in reports)
@@ -91,7 +108,7 @@ def markdown_table(reports: Sequence[Report]) -> str:
         shown = " | ".join(f"{MARK[state]} {share}".strip() for state, share in cells)
         level = "" if record["level"] is None else record["level"]
         lines.append(f"| `{claim}` | {level} | {shown} |")
-    return "# Comparison\n\n" + "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def comparison_page(
@@ -102,13 +119,13 @@ def comparison_page(
     `links` are the addresses of the implementations' own pages, empty where there is none; `absent`
     says why other implementations are missing.
     """
+    address = {id(report): link for report, link in zip(reports, links, strict=True)}
+    tables = {
+        name: ([(report, address[id(report)]) for report in group], claims_of(group))
+        for name, group in by_discipline(reports).items()
+    }
     return (
         environment()
         .get_template("comparison.html")
-        .render(
-            reports=list(zip(reports, links, strict=True)),
-            claims=claims_of(reports),
-            mark=mark,
-            absent=absent or {},
-        )
+        .render(count=len(reports), tables=tables, mark=mark, absent=absent or {})
     )
