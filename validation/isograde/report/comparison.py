@@ -84,8 +84,13 @@ def by_discipline(reports: Sequence[Report]) -> dict[str, list[Report]]:
     """The reports of each discipline."""
     groups: dict[str, list[Report]] = {}
     for report in reports:
-        groups.setdefault(report.header["implementation"]["discipline"], []).append(report)
+        groups.setdefault(discipline_of(report), []).append(report)
     return groups
+
+
+def discipline_of(report: Report) -> str:
+    """The discipline that the implementation declares."""
+    return str(report.header["implementation"]["discipline"])
 
 
 def markdown_table(reports: Sequence[Report]) -> str:
@@ -119,9 +124,12 @@ def comparison_page(
     `links` are the addresses of the implementations' own pages, empty where there is none; `absent`
     says why other implementations are missing.
     """
-    address = {id(report): link for report, link in zip(reports, links, strict=True)}
+    linked = list(zip(reports, links, strict=True))
     tables = {
-        name: ([(report, address[id(report)]) for report in group], claims_of(group))
+        name: (
+            [(one, link) for one, link in linked if discipline_of(one) == name],
+            claims_of(group),
+        )
         for name, group in by_discipline(reports).items()
     }
     return (

@@ -137,8 +137,18 @@ def _samples(view: View, values: Floats, inside: Booleans) -> Iterator[Part]:
         svg = f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="{radius}">'
         svg += f"<title>{told}</title></circle>"
         if values.size <= LABELLED:
-            svg += f'<text class="val" x="{x + 8:.1f}" y="{y - 7:.1f}">{values[index]:.3g}</text>'
+            svg += _value(x, y, values[index])
         yield Part(float(depth) + 1e-3, svg)
+
+
+def _value(x: float, y: float, value: float) -> str:
+    """The sample's value beside it, on the left where there is no room on the right."""
+    left = x > SIZE - 2 * MARGIN
+    anchor = ' text-anchor="end"' if left else ""
+    return (
+        f'<text class="val" x="{x - 8 if left else x + 8:.1f}" y="{y - 7:.1f}"{anchor}>'
+        f"{value:.3g}</text>"
+    )
 
 
 def _triangles(view: View, points: Floats, faces: Integers) -> Iterator[Part]:
