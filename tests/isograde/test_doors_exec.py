@@ -10,10 +10,20 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from isograde.claims import CLAIMS
 from isograde.doors import open_door
 from isograde.doors.declaring import protocol_schema
 from isograde.doors.exec import ExecDoor
-from isograde.model import Declaration, DoorError, Limits, Outcome, Request, Status
+from isograde.model import (
+    Declaration,
+    DoorError,
+    Limits,
+    Outcome,
+    Request,
+    Status,
+    Verdict,
+)
+from isograde.runner import Options, Worker, plan
 from isoref.field import Field
 
 FOREIGN = Path(__file__).with_name("foreign")
@@ -67,6 +77,22 @@ def test_a_program_in_c_is_asked_through_files(tetrahedra: str) -> None:
     declared, (outcome,) = ask(tetrahedra)
     assert (declared.name, declared.level) == ("tetrahedra in C", 1)
     check_ball(outcome, 6 * 4 / 3 * np.pi * 3**1.5, 0.3)
+
+
+def test_a_program_in_c_is_graded_watertight(tetrahedra: str) -> None:
+    """It claims level 1: every claim of that level, on every sign pattern of a cell."""
+    claims = tuple(name for name, claim in CLAIMS.items() if claim.level in (0, 1))
+    only = Options(only=("cells/inside/*",), limits=QUICK)
+    worker = Worker.open(f"exec:{tetrahedra}", only)
+    try:
+        tasks = plan(only, worker.cases, {name: worker.claims[name] for name in claims})
+        judged = [worker.judge(task) for task in tasks]
+    finally:
+        worker.door.close()
+    assert len(judged) == 256
+    verdicts = [finding.verdict for one in judged for finding in one.findings.values()]
+    assert set(verdicts) == {Verdict.PASS}
+    assert len(verdicts) > 8 * 256
 
 
 def test_a_program_declines_what_it_does_not_read(tetrahedra: str) -> None:

@@ -4,14 +4,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from isograde.claims import CLAIMS
 from isograde.doors import open_door
-from isograde.model import DoorError, Limits, Outcome, Request, Status
+from isograde.model import (
+    Case,
+    Declaration,
+    DoorError,
+    Limits,
+    Outcome,
+    Request,
+    Status,
+    Trial,
+    Verdict,
+)
 from isoref.field import Field
 
 HOSTILE = Path(__file__).with_name("hostile.py")
 BAD = 0.5
 FIELD = Field.of(np.arange(8.0).reshape(2, 2, 2))
-# What each does, how the call must end, and a word its explanation must contain.
+# How each call must end, what is then said of it, and a word the explanation must contain.
+VERDICTS = {
+    Status.OK: Verdict.PASS,
+    Status.CRASH: Verdict.CRASH,
+    Status.TIMEOUT: Verdict.TIMEOUT,
+    Status.MEMORY: Verdict.TIMEOUT,
+    Status.RAISED: Verdict.ERROR,
+    Status.DECLINED: Verdict.UNSUPPORTED,
+    Status.GARBAGE: Verdict.FAIL,
+}
 ENDINGS = [
     ("sound", Status.OK, ""),
     ("exits", Status.CRASH, "status 3"),
@@ -51,6 +71,13 @@ def outcomes(name: str, limits: Limits) -> list[Outcome]:
         door.close()
 
 
+def verdict(claim: str, outcome: Outcome) -> Verdict:
+    """What the claim says of the outcome."""
+    case = Case("test", lambda: FIELD, BAD, 8)
+    trial = Trial(case, FIELD, Declaration("hostile"), {"plain": outcome})
+    return CLAIMS[claim].judge(trial).verdict
+
+
 @pytest.mark.parametrize(("name", "status", "word"), ENDINGS)
 def test_each_ending_is_told_for_what_it_is_and_the_run_goes_on(
     name: str, status: Status, word: str
@@ -61,6 +88,7 @@ def test_each_ending_is_told_for_what_it_is_and_the_run_goes_on(
     assert bad.status is status, bad.detail
     assert word in bad.detail
     assert after.status is Status.OK, after.detail
+    assert verdict("structure.answers", bad) is VERDICTS[status]
     assert bad.mesh is None or status is Status.OK
 
 
@@ -70,13 +98,21 @@ def test_memory_held_by_child_processes_counts() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["returns_nan", "returns_wrong_shape", "returns_floats", "returns_one_based"]
+    ("name", "claim"),
+    [
+        ("returns_nan", "structure.finite"),
+        ("returns_wrong_shape", "structure.shapes"),
+        ("returns_floats", "structure.shapes"),
+        ("returns_one_based", "structure.in_range"),
+    ],
 )
-def test_a_malformed_mesh_arrives_as_it_is_for_the_claims_to_judge(name: str) -> None:
-    bad = outcomes(name, Limits(seconds=5))[1]
+def test_a_malformed_mesh_arrives_as_it_is_for_the_claims_to_judge(name: str, claim: str) -> None:
+    before, bad, after = outcomes(name, Limits(seconds=5))
     assert bad.status is Status.OK
     assert bad.vertices is not None
     assert bad.mesh is None
+    said = [verdict(claim, outcome) for outcome in (before, bad, after)]
+    assert said == [Verdict.PASS, Verdict.FAIL, Verdict.PASS]
 
 
 def test_writing_into_the_input_is_noticed() -> None:
