@@ -320,6 +320,8 @@ def face(corners: Sequence[float], title: str) -> tuple[str, Drawer]:
         axes.plot([0, 1, 1, 0, 0], [0, 0, 1, 1, 0], color=LINE, lw=1.2)
         for (x, y), v in zip(((0, 0), (1, 0), (1, 1), (0, 1)), corners, strict=True):
             axes.plot([x], [y], "o", mfc=LINE if v >= 0 else "white", mec=LINE, ms=6)
+        if a > 0 > b and c > 0 > d:
+            label_crossings(axes, [float(v) for v in corners])
         axes.set_xlim(-0.45, 1.45)
         axes.set_ylim(-0.45, 1.45)
         axes.set_aspect("equal")
@@ -329,6 +331,22 @@ def face(corners: Sequence[float], title: str) -> tuple[str, Drawer]:
 
 
 EDGE_COLOUR = "#7c8894"
+
+
+def label_crossings(axes: Axes, corners: Sequence[float]) -> None:
+    """The names Figure 7 gives to the points where the contour crosses the edges of the face."""
+    a, b, c, d = corners
+    labels = [
+        ("(S0, 0)", a / (a - b), 0.0, (0, -11), "center"),
+        ("(S1, 1)", d / (d - c), 1.0, (0, 5), "center"),
+        ("(0, T0)", 0.0, a / (a - d), (-5, 0), "right"),
+        ("(1, T1)", 1.0, b / (b - c), (5, 0), "left"),
+    ]
+    for text, s, t, offset, side in labels:
+        axes.plot([s], [t], "o", color=OUTSIDE, ms=3.5)
+        axes.annotate(
+            text, (s, t), offset, textcoords="offset points", ha=side, va="bottom", fontsize=7
+        )
 
 
 def figure_6_8() -> Figure:
@@ -341,7 +359,7 @@ def figure_6_8() -> Figure:
         face((1.0, 0.6, -0.5, -0.9), "one branch, other corners"),
         face((1.0, 0.2, -0.8, 0.0), "B00 + B11 = B01 + B10:\na line, no saddle"),
     ]
-    return sheet(panels, 3, 2.7)
+    return sheet(panels, 3, 2.7, 1.1)
 
 
 def figure_5() -> Figure:
@@ -363,7 +381,7 @@ def figure_5() -> Figure:
     axes.set_xlabel("s", fontsize=9)
     axes.set_ylabel("t", fontsize=9)
     axes.tick_params(labelsize=7)
-    axes.view_init(28, -58)
+    axes.view_init(32, -38)
     figure.tight_layout(pad=0.2)
     return figure
 

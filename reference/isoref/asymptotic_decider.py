@@ -391,7 +391,8 @@ def saddle_point(g: Floats, f: int) -> tuple[Floats, Floats]:
 class OnDiagonal:
     """The placement of 7C, 13D, 13E, 13F, 13H: where the body diagonal from corner v is crossed.
 
-    e0 = (1 - u) v + u w, u = (alpha - F(v)) / (F(w) - F(v)), with w opposite to v.
+    e0 = (1 - u) v + u w, u = (alpha - F(v)) / (F(w) - F(v)), with w opposite to v. The inside end
+    has joined faces, so its value is above alpha, not on it: 0 < u < 1.
     """
 
     v: int

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
+import isoref.marching_faces
 import numpy as np
 import pytest
 from isograde.disciplines import curves as discipline
 from isograde.disciplines.curves import CLAIMS, COARSE, Extract, cases, grade, known_curves
-from isograde.doors import open_door
+from isograde.doors import curve_methods, open_door
 from isograde.doors.conventions import to_house
 from isograde.model import Conventions, Declaration, Finding, Limits, Outcome, Request, Status
 from isograde.truths.space_curves import Points, is_closed
@@ -57,7 +58,7 @@ def faults(function: Extract, only: tuple[str, ...] = ()) -> dict[str, set[str]]
     return found
 
 
-reference = discipline._reference("marching_faces")
+reference = curve_methods._reference(isoref.marching_faces)
 
 
 def changed(change: Change) -> Extract:
@@ -87,7 +88,7 @@ def test_the_reference_passes_everything_through_a_real_door(name: str) -> None:
 def test_vtk_is_graded_as_a_peer() -> None:
     """Contour, contour again, strip: right on smooth curves, broken strips on many."""
     pytest.importorskip("vtkmodules.vtkFiltersCore")
-    found = faults(discipline.vtk_contour_twice)
+    found = faults(curve_methods.vtk_contour_twice)
     smooth = {"two-spheres", "two-cylinders", "hopf-link", "trefoil"}
     kinds = ("count", "linking", "covers", "on-surfaces")
     broken = {case for name in kinds for case in found.get(name, ())}

@@ -5,7 +5,8 @@ import mcubes
 import numpy as np
 import pytest
 from isograde.truths.lattice import Lattice
-from isograde.truths.winding import crossings, steps
+from isograde.truths.traces import traces
+from isograde.truths.winding import TooWideError, crossings, steps
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
 from skimage import measure
@@ -91,3 +92,22 @@ def test_a_touched_sample_is_bridged() -> None:
         lattice = Lattice.of(field, 0.0, tie)
         found = steps(lattice, np.asarray(vertices), np.asarray(faces, np.int64))
         assert not found.unseparated.any()
+
+
+def test_absurdly_wide_faces_are_refused() -> None:
+    """Ten thousand faces across the whole volume are no isosurface; nobody counts for an hour."""
+    lattice = Lattice.of(noise((64, 64, 64), 0), 0.0)
+    places = np.random.default_rng(0).uniform(0, 63, (3000, 3))
+    with pytest.raises(TooWideError, match="lines of samples"):
+        steps(lattice, places, np.random.default_rng(1).integers(0, 3000, (10_000, 3)))
+
+
+def test_places_out_of_this_world_do_not_overflow() -> None:
+    """Coordinates of 1e300 are far outside, and nothing more."""
+    field = noise((4, 4, 4), 0)
+    lattice = Lattice.of(field, 0.0)
+    vertices, faces = mcubes.marching_cubes(field.values, 0.0)
+    vertices[0] = 1e300
+    places = lattice.index(vertices)
+    assert steps(lattice, places, faces.astype(np.int64)).unseparated.any()
+    assert len(traces(lattice, places, faces.astype(np.int64)).spanning)

@@ -609,6 +609,24 @@ def test_faces_are_connected_as_the_interpolant_connects_them(seed: int) -> None
     assert met > 0
 
 
+def test_exchanging_inside_and_outside_turns_the_same_surface_over() -> None:
+    """Section 1: marked and unmarked may be switched; diagonals of polygons are ours to choose."""
+    values = np.random.default_rng(6).normal(size=(12, 12, 12))
+    there, back = (sweep(decider.RULE, Field.of(v), 0.0).canonical() for v in (values, -values))
+    assert np.allclose(there.vertices, back.vertices, rtol=0, atol=1e-12)
+    # Sides of polygons lie on faces of cells: compare the half-edges that do.
+    on_faces = [
+        {
+            (a, b)
+            for a, b in half_edges(mesh)
+            if np.any((mesh.vertices[a] == mesh.vertices[b]) & (mesh.vertices[a] % 1 == 0))
+        }
+        for mesh in (there, back)
+    ]
+    assert len(on_faces[0]) > 1000
+    assert on_faces[0] == {(b, a) for a, b in on_faces[1]}
+
+
 def test_scaling_the_field_by_a_power_of_two_changes_nothing() -> None:
     """The same vertices and the same triangles, near the ends of the range of numbers."""
     values = np.round(np.random.default_rng(2).normal(size=(6, 7, 8)) * 64) / 64

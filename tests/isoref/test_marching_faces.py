@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from isograde.truths.space_curves import phase_winding
 from isoref.curves import Curve
 from isoref.field import Field, FieldError
 from isoref.marching_faces import (
@@ -192,6 +193,14 @@ class TestClosure:
         assert sum(len(curve.points) for curve in curves) == len(points) > 1000
         assert ends_on_border(curves, a)
 
+    def test_a_face_has_one_to_four_points(self) -> None:
+        """Section 6 says one or two; two ambiguous configurations make up to four."""
+        chance = np.random.default_rng(3)
+        a, b = (Field.of(chance.normal(size=(14, 14, 14))) for _ in range(2))
+        points = marching_faces(a, b)
+        _, count = np.unique(6 * points.voxels + points.faces, return_counts=True)
+        assert np.unique(count).tolist() == [1, 2, 3, 4]
+
     def test_identical_surfaces_have_no_point_in_common(self) -> None:
         """The stated answer: as if the first isovalue were lower by a trifle."""
         x, y, z = lattice(9)
@@ -279,6 +288,32 @@ class TestKnownCurves:
             for s in range(10)
         ]
         assert np.mean(lengths) == pytest.approx(nodal_density(k), rel=0.05)
+
+
+class TestPhase:
+    """The two fields as one complex wave, its phase as an independent witness."""
+
+    @pytest.mark.parametrize("rule", RULES)
+    @pytest.mark.parametrize("noise", [False, True])
+    def test_headings_add_up_to_the_phase_winding_of_every_face(
+        self, rule: FaceRule, noise: bool
+    ) -> None:
+        """The phase turns once around a nodal line, whatever the rule of ambiguous faces."""
+        chance = np.random.default_rng(0)
+        psi = random_waves((12, 10, 11), 20.0, seed=3)
+        if noise:
+            psi = chance.normal(size=(8, 9, 7)) + 1j * chance.normal(size=(8, 9, 7))
+        points = marching_faces(Field.of(psi.real), Field.of(psi.imag), rule=rule)
+        corner = np.stack(np.unravel_index(points.voxels, points.cells), axis=1)
+        for axis in range(3):
+            winding = phase_winding(np.angle(psi), axis)
+            across = points.faces // 2 == axis
+            place = corner[across]
+            place[:, axis] += points.faces[across] % 2
+            passing = np.zeros_like(winding)
+            np.add.at(passing, tuple(place.T), points.headings[across])
+            np.testing.assert_array_equal(passing, winding)
+            assert (winding != 0).sum() > 50
 
 
 class TestBadInput:

@@ -86,6 +86,9 @@ class Declaration:
     # vertices), "spacing", "on-edges", "linear-crossing", "symmetric-choices", ..
     without: frozenset[str] = frozenset()
     notes: str = ""
+    # How it resolves every ambiguous face, where it promises that: "disconnect" the inside
+    # corners, "connect" them, or "mixed", by the average of the face (`cases.cycles`).
+    connectivity: str = ""
 
 
 @dataclass(frozen=True)

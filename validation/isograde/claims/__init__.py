@@ -3,6 +3,7 @@
 from isograde.claims import (
     cases,
     counting,
+    cycles,
     frequencies,
     geometry,
     robustness,
@@ -19,6 +20,7 @@ FAMILIES = (
     trilinear,
     geometry,
     cases,
+    cycles,
     frequencies,
     counting,
     symmetry,

@@ -22,6 +22,7 @@ from isograde.claims.evidence import (
 )
 from isograde.claims.symmetry import same
 from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial
+from isograde.truths.winding import TooWideError
 
 DESIGN = "isograde design"
 
@@ -125,7 +126,10 @@ def ties(trial: Trial) -> Finding:
 
 def _separated(trial: Trial) -> Finding:
     """Pass when samples that the mesh does not touch are on the right sides of it."""
-    steps = steps_of(trial)
+    try:
+        steps = steps_of(trial)
+    except TooWideError as error:
+        return failed(str(error))
     bad = int(steps.unseparated.sum())
     return failed(f"{bad} steps between samples are not separated", steps=bad) if bad else passed()
 

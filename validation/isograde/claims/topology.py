@@ -27,6 +27,7 @@ from isograde.claims.evidence import (
 )
 from isograde.model import Claim, Finding, Judge, Trial
 from isograde.truths.bilinear import saddles
+from isograde.truths.winding import TooWideError
 
 WELDED = frozenset({"welded"})
 HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
@@ -104,7 +105,10 @@ def oriented(trial: Trial) -> Finding:
 
 def separates(trial: Trial) -> Finding:
     """Pass when the winding number changes between two samples exactly where they differ."""
-    steps = steps_of(trial)
+    try:
+        steps = steps_of(trial)
+    except TooWideError as error:
+        return failed(str(error))
     bad = np.flatnonzero(steps.unseparated)
     if not len(bad):
         return passed(crossed=len(steps.axis))
@@ -125,7 +129,10 @@ def separates(trial: Trial) -> Finding:
 
 def facing(trial: Trial) -> Finding:
     """Pass when the normal points the declared way wherever the mesh separates two samples."""
-    steps = steps_of(trial)
+    try:
+        steps = steps_of(trial)
+    except TooWideError as error:
+        return failed(str(error))
     bad = np.flatnonzero(steps.reversed)
     if not len(bad):
         return passed(crossed=len(steps.axis))

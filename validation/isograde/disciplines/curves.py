@@ -31,9 +31,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -507,6 +505,13 @@ CLAIMS: tuple[Claim, ...] = (
 )
 
 
+# Short names of the implementations in `isograde.doors.curve_methods`.
+READY_MADE: Mapping[str, str] = {
+    f"curves:{name.replace('_', '-')}": f"python:isograde.doors.curve_methods:{name}"
+    for name in ("marching_faces", "surface_intersection", "vtk")
+}
+
+
 # --- grading -------------------------------------------------------------------------------------
 
 
@@ -537,89 +542,3 @@ def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterat
                     posed = pose(variant, case, field)
                     outcomes[variant] = door.run(Request(case.id, variant, posed, case.isovalue))
             yield case.id, claim.id, claim.judge(trial)
-
-
-# --- ready-made implementations ------------------------------------------------------------------
-
-
-def _reference(module: str) -> Extract:
-    """The function of this reference module, in the discipline's signature."""
-
-    def extract_curves(
-        a: Any, b: Any, isovalue_a: float, isovalue_b: float, spacing: tuple[float, ...]
-    ) -> Curves:
-        from importlib import import_module
-
-        method = import_module(f"isoref.{module}")
-        fields = (Field.of(a, spacing), Field.of(b, spacing))
-        curves = method.intersection_curves(*fields, (isovalue_a, isovalue_b))
-        return [curve.polyline for curve in curves]
-
-    extract_curves.__name__ = f"isoref:{module.replace('_', '-')}"
-    return extract_curves
-
-
-@dataclass(frozen=True)
-class _Grid:
-    """The two fields as VTK takes them."""
-
-    a: NDArray[Any]
-    b: NDArray[Any]
-    spacing: tuple[float, ...]
-
-    def image(self) -> Any:
-        """A vtkImageData with point arrays "a" and "b", x fastest."""
-        from vtkmodules.util.numpy_support import numpy_to_vtk
-        from vtkmodules.vtkCommonDataModel import vtkImageData
-
-        image = vtkImageData()
-        image.SetDimensions(*self.a.shape)
-        image.SetSpacing(*self.spacing)
-        for name, values in (("a", self.a), ("b", self.b)):
-            array = numpy_to_vtk(np.asarray(values, np.float64).ravel(order="F"), deep=True)
-            array.SetName(name)
-            image.GetPointData().AddArray(array)
-        image.GetPointData().SetActiveScalars("a")
-        return image
-
-
-def vtk_contour_twice(
-    a: Any, b: Any, isovalue_a: float, isovalue_b: float, spacing: tuple[float, ...]
-) -> Curves:
-    """VTK's way: contour the first field, contour the second one on that surface, strip."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkStripper
-
-    surface = vtkContourFilter()
-    surface.SetOutputPointsPrecision(1)
-    surface.SetInputData(_Grid(np.asarray(a), np.asarray(b), tuple(spacing)).image())
-    surface.SetInputArrayToProcess(0, 0, 0, 0, "a")
-    surface.SetValue(0, isovalue_a)
-    lines = vtkContourFilter()
-    lines.SetOutputPointsPrecision(1)
-    lines.SetInputConnection(surface.GetOutputPort())
-    lines.SetInputArrayToProcess(0, 0, 0, 0, "b")
-    lines.SetValue(0, isovalue_b)
-    strips = vtkStripper()
-    strips.SetInputConnection(lines.GetOutputPort())
-    strips.SetMaximumLength(1_000_000)
-    strips.JoinContiguousSegmentsOn()
-    strips.Update()
-    output = strips.GetOutput()
-    if not output.GetNumberOfLines():
-        return []
-    points = vtk_to_numpy(output.GetPoints().GetData()).astype(np.float64)
-    cells = output.GetLines()
-    places = vtk_to_numpy(cells.GetConnectivityArray())
-    starts = vtk_to_numpy(cells.GetOffsetsArray())
-    return [points[places[i:j]] for i, j in pairwise(starts)]
-
-
-marching_faces = through_door(_reference("marching_faces"))
-surface_intersection = through_door(_reference("surface_intersection"))
-vtk = through_door(vtk_contour_twice)
-
-READY_MADE: Mapping[str, str] = {
-    f"curves:{name.replace('_', '-')}": f"python:isograde.disciplines.curves:{name}"
-    for name in ("marching_faces", "surface_intersection", "vtk")
-}

@@ -9,6 +9,7 @@ house's: level 2, the conventions of `isograde.model.Conventions`, nothing withh
                      "units": "index", "nan": "answers", "empty": "raises"},
      "without": ["linear-crossing"], "discipline": "surfaces", "notes": "reads float32 only"}
 
+``connectivity`` ("disconnect", "connect" or "mixed") promises how every ambiguous face is resolved.
 ``without`` names properties the implementation does not promise; a claim about one of them is
 unsupported, neither held against it nor counted for it. `isograde list claims` names them.
 """

@@ -45,7 +45,7 @@ def pack(
             listed.append({"file": str(path), "bytes": array.nbytes})
         else:
             solid = np.ascontiguousarray(array)
-            listed.append({"dtype": solid.dtype.str, "shape": solid.shape, "bytes": solid.nbytes})
+            listed.append({"dtype": solid.dtype.str, "shape": array.shape, "bytes": solid.nbytes})
             buffers.append(solid.reshape(-1).view(np.uint8).data)
     text = json.dumps({**header, "arrays": listed}).encode()
     return [LENGTH.pack(len(text)) + text, *buffers]
@@ -86,7 +86,7 @@ def _array(
         loaded: NDArray[Any] = np.load(entry["file"], mmap_mode, allow_pickle=False)
         return loaded
     dtype, shape = np.dtype(entry["dtype"]), tuple(entry["shape"])
-    if math.prod(shape) * dtype.itemsize != entry["bytes"]:
+    if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != entry["bytes"]:
         raise FrameError(f"{entry['bytes']} bytes for {shape} of {dtype}")
     if not entry["bytes"]:
         return np.empty(shape, dtype)

@@ -18,8 +18,9 @@ from isograde.doors.frames import FrameError, pack, unpack
 from isograde.doors.process import ProcessDoor, empty, own_directory
 from isograde.model import Declaration, DoorError, Outcome, Request, Status
 
-# Strides that span more than so many times the samples are not reproduced in the worker.
-LARGEST_SPAN = 4
+# Strides that span more than so many times the samples are not reproduced in the worker. Every
+# second sample along three axes spans eight times.
+LARGEST_SPAN = 16
 
 
 class PythonDoor(ProcessDoor):

@@ -41,6 +41,7 @@ class ReadyMade:
     level: int = 2
     without: frozenset[str] = fresh(default_factory=frozenset)
     notes: str = ""
+    connectivity: str = ""
 
     @property
     def version(self) -> str:
@@ -53,7 +54,13 @@ class ReadyMade:
     def declaration(self, name: str) -> Declaration:
         """What it declares."""
         return Declaration(
-            name, self.version, self.level, self.conventions, without=self.without, notes=self.notes
+            name,
+            self.version,
+            self.level,
+            self.conventions,
+            without=self.without,
+            notes=self.notes,
+            connectivity=self.connectivity,
         )
 
 
@@ -253,26 +260,41 @@ def _isoref(name: str) -> Extract:
     return extract
 
 
-# What becomes of samples that are given as inside or outside, with no values.
+def _connectivity(name: str) -> str:
+    """The mode in a VESTA method's name, which it promises; nothing for any other method.
+
+    >>> _connectivity("marching-vesta-mixed-H"), _connectivity("asymptotic-decider")
+    ('mixed', '')
+    """
+    _, vesta, rest = name.partition("vesta-")
+    return rest.partition("-")[0] if vesta else ""
+
+
+# What is not promised where samples are given as inside or outside, with no values; where
+# vertices stand in cells; where the surface is sampled on another grid than ours.
 _LABELS = frozenset({"linear-crossing"})
-_DUAL = frozenset({"on-edges", "linear-crossing", "manifold"})
+_DUAL = frozenset({"on-edges", "linear-crossing", "manifold", "border"})
 _OWN_GRID = frozenset({"on-edges", "linear-crossing", "separates", "border"})
 
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
 _VTK = Conventions(nan="answers")
+
+# Methods of the reference that promise more than to be consistent.
+_PROMISES = {"asymptotic-decider": 3, "trilinear-cubes": 4}
 
 READY_MADE: dict[str, ReadyMade] = {
     "skimage:lewiner": ReadyMade(
         "scikit-image",
         partial(_skimage, "lewiner"),
         _SKIMAGE,
-        notes="computes in float32; raises where there is no surface",
+        level=4,
+        notes="its documentation guarantees topologically correct results; computes in float32",
     ),
     "skimage:lorensen": ReadyMade(
         "scikit-image",
         partial(_skimage, "lorensen"),
         _SKIMAGE,
-        notes="computes in float32; raises where there is no surface",
+        notes="computes in float32",
     ),
     "pymcubes": ReadyMade(
         "PyMCubes",
@@ -327,4 +349,12 @@ READY_MADE: dict[str, ReadyMade] = {
         notes="samples the trilinear interpolant on a body-centred grid of its own; "
         "closes the surface at the border",
     ),
-} | {f"isoref:{name}": ReadyMade("isograde", partial(_isoref, name)) for name in METHODS}
+} | {
+    f"isoref:{name}": ReadyMade(
+        "isograde",
+        partial(_isoref, name),
+        level=_PROMISES.get(name, 2),
+        connectivity=_connectivity(name),
+    )
+    for name in METHODS
+}

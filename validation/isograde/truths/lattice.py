@@ -24,6 +24,7 @@ from functools import cached_property
 import numpy as np
 from isoref.field import Array, Booleans, Field, Floats, Integers
 
+FAR = 1e9
 SINGLE = float(np.finfo(np.float32).eps)
 
 
@@ -59,8 +60,12 @@ class Lattice:
         return max(1e-6, 8 * SINGLE * float(reach.max()))
 
     def index(self, points: Floats) -> Floats:
-        """Index coordinates of world positions; those at the border stand on it exactly."""
+        """Index coordinates of world positions; those at the border stand on it exactly.
+
+        Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
+        """
         places = np.subtract(points, self.field.origin) / self.field.spacing
+        places = np.clip(places, -FAR, FAR)
         last = np.subtract(self.shape, 1.0)
         places[np.abs(places) <= self.tolerance] = 0.0
         return np.where(np.abs(places - last) <= self.tolerance, last, places)

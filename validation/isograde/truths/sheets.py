@@ -110,7 +110,7 @@ def _cells(
     last = np.array(shape) - 2
     cell = np.clip(np.floor(corners.mean(axis=1)).astype(np.int64), 0, last)
     plane = np.rint(corners[:, 0])
-    flat: Booleans = np.abs(corners - plane[:, None]).max(axis=1) < 1e-6
+    flat = _flat(places, faces)
     if flats != "none":
         shifted = np.clip(plane - (flats == "lower"), 0, last).astype(np.int64)
         cell = np.where(flat, shifted, cell)
@@ -118,6 +118,13 @@ def _cells(
     if flats == "none":
         kept = ~np.logical_or.reduce(flat, axis=1)
     return np.asarray(np.ravel_multi_index(tuple(cell[kept].T), tuple(shape))), kept
+
+
+def _flat(places: Floats, faces: Integers) -> Booleans:
+    """(F, 3) whether the triangle lies in a plane of the lattice across this axis."""
+    corners = places[faces]
+    gap = np.abs(corners - np.rint(corners[:, :1]))
+    return np.asarray(gap.max(axis=1) < 1e-6)
 
 
 def _edges_of(places: Floats, cell: Integers) -> Integers:
@@ -211,9 +218,14 @@ def faults(truths: Truths, found: Sheets) -> Integers:
 def judge(
     places: Floats, faces: Integers, index: Integers, truths: Truths, shape: Sequence[int]
 ) -> list[Fault]:
-    """The fault of each cell, flat triangles taken in the mesh's favour."""
+    """The fault of each cell, flat triangles taken in the mesh's favour.
+
+    Of the faults of several readings the last in order is named: the earlier ones it passed.
+    """
     names = list(Fault)
     readings: tuple[Flats, ...] = ("upper", "lower", "none")
-    found = [faults(truths, sheets(places, faces, index, shape, way)) for way in readings]
-    best = np.where((np.array(found) == 0).any(axis=0), 0, found[0])
+    if not _flat(places, faces).any():
+        readings = ("upper",)
+    found = np.array([faults(truths, sheets(places, faces, index, shape, r)) for r in readings])
+    best = np.where((found == 0).any(axis=0), 0, found.max(axis=0))
     return [names[k] for k in best]

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -406,6 +406,28 @@ def knot_determinant(curve: Points) -> int:
 def _adjacent(s: float, t: float, n: int) -> bool:
     """Whether two places are on the same segment of a closed polyline or on neighbours."""
     return (int(s) - int(t)) % n in (0, 1, n - 1)
+
+
+# --- phase ---------------------------------------------------------------------------------------
+
+
+def phase_winding(phase: Points, axis: int) -> NDArray[np.int64]:
+    """How often the phase turns around each lattice face across `axis`, counterclockwise.
+
+    The sum of the four differences around the face, each wrapped to half a turn either way. A
+    nodal line of the wave passes the face as often, net of those that pass the other way.
+    """
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+
+    def corner(i: int, j: int) -> Points:
+        cut = [slice(None)] * 3
+        cut[u] = slice(i, phase.shape[u] - 1 + i)
+        cut[v] = slice(j, phase.shape[v] - 1 + j)
+        return phase[tuple(cut)]
+
+    walk = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1), corner(0, 0)]
+    steps = [(b - a + np.pi) % (2 * np.pi) - np.pi for a, b in pairwise(walk)]
+    return np.asarray(np.rint(np.sum(steps, axis=0) / (2 * np.pi)), np.int64)
 
 
 # --- distance ------------------------------------------------------------------------------------

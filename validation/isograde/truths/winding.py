@@ -30,6 +30,13 @@ from isoref.field import Booleans, Floats, Integers
 
 from isograde.truths.lattice import Lattice
 
+# A surface meets a line of samples a few times; give up on a mesh that does so very often.
+MOST = 200
+
+
+class TooWideError(ValueError):
+    """The faces are so wide that no isosurface of the field is like that."""
+
 
 @dataclass(frozen=True, eq=False)
 class Steps:
@@ -67,6 +74,11 @@ def steps(lattice: Lattice, places: Floats, faces: Integers) -> Steps:
     lattice : samples and sides
     places : (V, 3) vertices in index coordinates
     faces : (F, 3)
+
+    Raises
+    ------
+    TooWideError
+        for faces that lie across far more lines of samples than an isosurface's do
     """
     parts = [_along(lattice, places, faces, axis) for axis in range(3)]
     return Steps(
@@ -168,6 +180,9 @@ def _candidates(
         first.append(low)
         count.append(np.maximum(high - low, 0))
     met = np.flatnonzero((count[0] > 0) & (count[1] > 0))
+    total = float(np.dot(count[0][met].astype(np.float64), count[1][met]))
+    if total > MOST * (len(faces) + shape[1] * shape[2]):
+        raise TooWideError(f"{len(faces)} faces lie across {total:.0f} lines of samples")
     return _spread(met, [c[met] for c in first], [c[met] for c in count])
 
 

@@ -1,0 +1,99 @@
+"""Intersection curves: marching faces beside the explicit way and VTK, one thread.
+
+Prints a Markdown table for each size of random waves of a fixed geometry: median seconds, ratio to
+marching faces, extra peak memory, what was found. `make benchmarks` keeps the tables in
+`reports/benchmarks/marching_faces.md`. What the fields themselves hold (16 bytes a voxel) is not
+counted as extra memory; the peak of the whole process is printed too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import platform
+import resource
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from isoref import surface_intersection
+from isoref.curves import real_and_imaginary
+from isoref.field import Field
+from isoref.marching_faces import intersection_curves, marching_faces
+from isoref.plane_waves import random_waves
+from stopwatch import interleave, peak_memory
+
+Run = Callable[[], object]
+
+# The wave number at which 128^3 samples leave about 88 % of the voxels empty.
+WAVE_NUMBER = 27.0
+
+
+def contestants(first: Field, second: Field) -> dict[str, Run]:
+    """Each way to the curves, as a call without arguments."""
+    surfaces = [surface_intersection.enhanced_marching_cubes(f, 0.0) for f in (first, second)]
+    segments = surface_intersection.surface_intersection(*surfaces)
+    found: dict[str, Run] = {
+        "marching faces, points": lambda: marching_faces(first, second),
+        "marching faces, curves": lambda: intersection_curves(first, second),
+        "enhanced marching cubes, twice": lambda: [
+            surface_intersection.enhanced_marching_cubes(f, 0.0) for f in (first, second)
+        ],
+        "triangle intersection": lambda: surface_intersection.surface_intersection(*surfaces),
+        "joining by identity": lambda: surface_intersection.join_segments(segments),
+        "one `values >= 0` of both fields": lambda: (first.values >= 0, second.values >= 0),
+    }
+    if importlib.util.find_spec("vtkmodules"):
+        from isograde.doors.curve_methods import vtk_contour_twice
+
+        found["VTK: contour, contour, strip"] = lambda: vtk_contour_twice(
+            first.values, second.values, 0.0, 0.0, first.spacing
+        )
+    return found
+
+
+def table(side: int, rounds: int) -> str:
+    """The Markdown table for one size."""
+    psi = random_waves((side, side, side), WAVE_NUMBER)
+    first, second = real_and_imaginary(psi, 1 / (side - 1))
+    first, second = (Field.of(np.ascontiguousarray(f.values), f.spacing) for f in (first, second))
+    del psi
+    points, curves = len(marching_faces(first, second)), intersection_curves(first, second)
+    closed = sum(curve.closed for curve in curves)
+    lines = [
+        f"## {side}^3: {points:,} points, {len(curves)} curves, {closed} closed",
+        "",
+        "| | median s | time / marching faces | extra peak MiB |",
+        "| --- | ---: | ---: | ---: |",
+    ]
+    runs = contestants(first, second)
+    for timing in interleave(runs, rounds):
+        memory = peak_memory(runs[timing.name]) / 2**20
+        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+    whole = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    lines.append(f"\nPeak of the whole process so far, fields and all: {whole:.2f} GiB.")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run the tables and write them down."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sides", nargs="*", type=int, default=[64, 128, 256])
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/marching_faces.md"))
+    arguments = parser.parse_args()
+    parts = [
+        "# Intersection curves, one thread",
+        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; random "
+        f"waves, wave number {WAVE_NUMBER:g}; medians of {arguments.rounds} rounds, contestants in "
+        "turn. Only the ratios carry over.",
+    ]
+    for side in arguments.sides:
+        parts.append(table(side, arguments.rounds))
+        print(parts[-1], flush=True)
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

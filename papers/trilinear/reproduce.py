@@ -1,0 +1,356 @@
+"""Count, compare, draw: what is true of a cell, and who has it right.
+
+Run it from anywhere: ``python papers/trilinear/reproduce.py``. It writes the report
+reports/papers/trilinear.md and pictures beside it. Real volumes are looked for in the folder that
+ISOGRADE_DATA names; libraries that are not installed get a row that says so. The whole takes some
+ten minutes on an idle core; ``--quick`` uses a twentieth of the cells and says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter
+from pathlib import Path
+
+import agreement as agree
+import figures
+import numpy as np
+from isograde.doors import open_door
+from isograde.fields.volumes import REGISTRY, find, read
+from isograde.model import Limits
+from isograde.reproduction import Table, write_report
+from isograde.truths.sheets import Fault, judge
+from isograde.truths.trilinear import NONE, active_cells, cells, grid
+from isograde.truths.trilinear_by_refinement import UnresolvedError, refine
+from isograde.truths.trilinear_cases import (
+    case_name,
+    case_names,
+    classes,
+    every_case,
+    every_topology,
+    representative,
+)
+from isoref.field import Field
+from isoref.methods import METHODS
+
+HERE = Path(__file__).parent
+PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
+OPENING = """Made by `papers/trilinear/reproduce.py`; every number was computed in this run. The
+truth is `isograde.truths.trilinear`, its list of cases `isograde.truths.trilinear_cases`, the
+extractor `isoref.trilinear_cubes`. A guided reading is in `papers/trilinear/README.md`.
+"""
+
+
+def main() -> None:
+    """The report and its pictures, in reports/papers of this repository or in --out."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE.parents[1] / "reports" / "papers")
+    parser.add_argument("--quick", action="store_true", help="a twentieth of the cells")
+    options = parser.parse_args()
+    share = 20 if options.quick else 1
+    folder = options.out / "trilinear"
+    figures.draw_cases(folder / "cases.png")
+    figures.draw_tunnel(folder / "tunnel.png")
+    parts: list[Table | str] = [OPENING]
+    if options.quick:
+        parts.append("**A quick run: a twentieth of the cells.**")
+    parts += [*how_many_cases(share), checked_by_refinement(share), reference_agrees(share)]
+    parts += [real_volumes(), *libraries(share)]
+    write_report(options.out / "trilinear.md", "The topology of the trilinear interpolant", parts)
+    print(f"wrote {options.out / 'trilinear.md'}")
+
+
+def how_many_cases(share: int) -> list[Table | str]:
+    """The derived numbers beside the printed ones, and a line for each case."""
+    table = Table("How many cases there are")
+    table.add(
+        "up to rotation and exchange of high and low",
+        PRINTED["chernyaev"]["cases"],
+        len(classes(mirror=False)),
+    )
+    table.add("the same, mirror images as one", None, len(classes()))
+    table.add("up to rotation alone", None, len(classes(mirror=False, exchange=False)))
+    table.add("topologies of a cell with numbered corners", None, len(every_topology()))
+    faces = {(one.signs, one.faces) for one in every_topology()}
+    table.add("signs and decisions on faces that can occur", None, len(faces))
+    thirteen = {one.faces for one in every_topology() if all(one.faces)}
+    printed = PRINTED["nielson_hamann_1991"]
+    table.add(
+        "face decisions of configuration 13",
+        printed["choices of 13"],
+        len(thirteen),
+        note="opposite pairs of faces cannot contradict each other",
+    )
+    kinds = {representative(one, mirror=False, exchange=False) for one in every_topology()}
+    kinds = {one for one in kinds if all(one.faces)}
+    without = {(one.signs, one.faces) for one in kinds}
+    table.add(
+        "classes of these under the rotations",
+        printed["classes of 13"],
+        len(without),
+        note="13A to 13J: the three with opposite faces against each other cannot occur; three "
+        "faces round a corner are two classes, [12] and [3, 6, 3], and Figure 16 has one",
+    )
+    return [table, _each_case(share), "![the cases](trilinear/cases.png)\n\n" + CAPTION]
+
+
+CAPTION = """The 33 classes as trilinear cubes draws them; tunnels in orange, dots on high corners.
+Cases 11 and 14, and the two 12.2, are mirror images.
+
+![a tunnel](trilinear/tunnel.png)
+
+Two opposite corners joined through the middle of the cell, and not: the level set, the reference,
+and the asymptotic decider, which looks at faces only.
+"""
+
+
+def _each_case(share: int) -> str:
+    """Signs, faces and bodies that make each case, and its share among random cells."""
+    drawn = 500_000 // share
+    found: Counter[str] = Counter()
+    for start in range(0, drawn, 100_000):
+        values = agree.random_cells(min(100_000, drawn - start), start)
+        found.update(case_names(cells(values)).tolist())
+    labelled = Counter(case_name(one) for one in every_topology())
+    sheets = {case_name(one): one.sheets for one in every_topology()}
+    lines = [
+        "## Case by case",
+        "",
+        f"Sheets are written by the numbers of sides of their boundary curves: 3+6 is a tunnel "
+        f"between a triangle and a hexagon. The last column counts {drawn:,} random cells.",
+        "",
+        "| case | sheets | topologies | among random cells |",
+        "| --- | --- | ---: | ---: |",
+    ]
+    for name in every_case():
+        shown = ", ".join("+".join(map(str, sheet)) for sheet in sheets[name]) or "none"
+        lines.append(f"| {name} | {shown} | {labelled[name]} | {found[name] / drawn:.5%} |")
+    tunnels = sum(n for name, n in found.items() if name in agree.TUNNELS)
+    lines += ["", f"Cells with a tunnel: {tunnels:,} of {drawn:,} ({tunnels / drawn:.3%})."]
+    return "\n".join(lines) + "\n"
+
+
+def checked_by_refinement(share: int) -> Table:
+    """The truth beside refinement and digital topology."""
+    table = Table("The truth, checked by refinement and digital topology")
+    for title, values in (
+        ("random cells", agree.random_cells(20_000 // share, 1)),
+        ("targeted cells", agree.targeted()[1][:: 2 * share]),
+    ):
+        truths = cells(values)
+        agreed = unresolved = 0
+        for i, cell in enumerate(values):
+            try:
+                found = refine(cell, limit=300_000)
+            except UnresolvedError:
+                unresolved += 1
+                continue
+            mine = (truths.components[i], truths.euler[i], truths.curves[i])
+            agreed += (found.components, found.euler, found.curves) == mine
+        table.add(f"{title}: cells that refinement resolves", None, len(values) - unresolved)
+        table.add(f"{title}: agreeing", len(values) - unresolved, agreed)
+    agreed, resolved = _grids_by_refinement(400 // share)
+    table.add("grids of 4^3 samples that refinement resolves", None, resolved)
+    table.add("grids agreeing", resolved, agreed)
+    return table
+
+
+def _grids_by_refinement(number: int) -> tuple[int, int]:
+    """Grids of noise whose glued truth refinement confirms, and grids that it resolves."""
+    rng = np.random.default_rng(2)
+    agreed = resolved = 0
+    for _ in range(number):
+        values = rng.uniform(-1, 1, (4, 4, 4))
+        try:
+            found = refine(values)
+        except UnresolvedError:
+            continue
+        resolved += 1
+        truth = grid(values)
+        mine = (truth.components, truth.euler, truth.curves)
+        agreed += (found.components, found.euler, found.curves) == mine
+    return agreed, resolved
+
+
+def reference_agrees(share: int) -> Table:
+    """isoref:trilinear-cubes beside the truth, at length."""
+    table = Table("isoref:trilinear-cubes beside the truth")
+    door = open_door(agree.REFERENCE)
+    door.open(Limits(seconds=120))
+    try:
+        for title, values in (
+            ("random cells", agree.random_cells(100_000 // share, 3)),
+            ("targeted cells", agree.targeted()[1]),
+        ):
+            right = sum(fault is Fault.NONE for fault in agree.faults(door, values))
+            table.add(f"{title} right", len(values), right)
+        grids = 2_000 // share
+        total, wrong, crowds = agree.grids_of_noise(door, grids, 8)
+        table.add(f"cells of {grids:,} grids of 8^3 noise right", total, total - wrong)
+        table.add("grids with an edge of more than two triangles", 0, crowds)
+        crowded = sum(agree.crowded(door, pair) for pair in agree.tunnel_pairs())
+        table.add("pairs of tunnels with such an edge", 0, crowded)
+    finally:
+        door.close()
+    return table
+
+
+def real_volumes() -> Table | str:
+    """Every cell of the real volumes that signs alone do not decide."""
+    table = Table("Real volumes: cells that signs alone do not decide")
+    for name, volume in REGISTRY.items():
+        place = find(volume)
+        if place is not None:
+            values = np.asarray(read(place, volume=volume).values)
+            for isovalue in volume.isovalues[:1]:
+                _add_volume(table, f"{name} at {isovalue + 0.5:g}", values, isovalue + 0.5)
+    if not table.rows:
+        return "## Real volumes\n\nSkipped: ISOGRADE_DATA names no folder with volumes.\n"
+    return table
+
+
+def _add_volume(
+    table: Table,
+    title: str,
+    values: np.ndarray[tuple[int, ...], np.dtype[np.generic]],
+    level: float,
+) -> None:
+    """Two lines of the table: the cells right, and those with tunnels."""
+    blocks = _undecided_blocks(values, level)
+    total = right = tunnels = ties = 0
+    for corners in blocks:
+        truths = cells(corners, level)
+        good = truths.ties == NONE
+        ties += int((~good).sum())
+        field = Field.of(agree.in_line(corners, level))
+        mesh = METHODS["trilinear-cubes"](field, level)
+        found = judge(mesh.vertices, mesh.simplices, agree.line(len(corners)), truths, field.shape)
+        total += int(good.sum())
+        right += sum(f is Fault.NONE for f, g in zip(found, good, strict=True) if g)
+        tunnels += int((truths.tunnels[good] > 0).sum())
+    table.add(
+        f"{title}: right", total, right, note=f"{tunnels:,} with a tunnel; {ties:,} ties left out"
+    )
+
+
+def _undecided_blocks(
+    values: np.ndarray[tuple[int, ...], np.dtype[np.generic]], level: float
+) -> list[np.ndarray[tuple[int, ...], np.dtype[np.generic]]]:
+    """The undecided cells in blocks of at most 300, read slab by slab."""
+    found = []
+    for start in range(0, values.shape[0] - 1, 32):
+        _, corners = active_cells(values[start : start + 33], level)
+        if len(corners):
+            high = corners.reshape(-1, 8) > level
+            found.append(corners[~agree.decided(high)])
+    if not found:
+        return []
+    together = np.concatenate(found)
+    return [together[i : i + 300] for i in range(0, len(together), 300)]
+
+
+def libraries(share: int) -> list[Table | str]:
+    """A row for each implementation, the table of cases, and the smallest failing cells."""
+    posed, random = agree.targeted(), agree.random_cells(10_000 // share, 4)
+    if share > 1:
+        posed = posed[0][::share], posed[1][::share]
+    rows = [agree.agreement(name, posed, random) for name in agree.implementations()]
+    judged = [row for row in rows if not row.why_not]
+    smallest = [
+        small
+        for row in judged
+        if row.faults and not row.name.startswith("isoref")
+        for small in agree.smallest_failures(row.name, range(2, 9) if share == 1 else (4, 8))
+    ]
+    return [_summary(rows), _by_case(judged), _smallest(smallest)]
+
+
+def _summary(rows: list[agree.Agreement]) -> str:
+    """Every implementation's agreement in numbers."""
+    lines = [
+        "## Who has the topology of the trilinear interpolant",
+        "",
+        "Right cells among random ones, among the targeted ones of cases without and with a "
+        "tunnel; and pairs of tunnels that meet on a face, out of 36, in which an edge has more "
+        "than two triangles.",
+        "",
+        "| implementation | version | random cells | no tunnel | tunnel | crowded pairs "
+        "| not judged |",
+        "| --- | --- | ---: | ---: | ---: | ---: | --- |",
+    ]
+    for row in rows:
+        if row.why_not:
+            lines.append(f"| {row.name} | {row.version} | | | | | {row.why_not} |")
+            continue
+        plain, tunnel = (
+            f"{sum(row.right[c] for c in names):,} of {sum(row.total[c] for c in names):,}"
+            for names in ([c for c in every_case() if c not in agree.TUNNELS], agree.TUNNELS)
+        )
+        share = f"{row.random[0] / row.random[1]:.3%}"
+        cells_ = f"{share} | {plain} | {tunnel} | {row.crowded}"
+        lines.append(f"| {row.name} | {row.version} | {cells_} | |")
+    return "\n".join(lines) + "\n"
+
+
+LETTERS = {
+    Fault.FACE: "F",
+    Fault.FALSE: "T",
+    Fault.MISSING: "M",
+    Fault.OPEN: "H",
+    Fault.EULER: "E",
+    Fault.CROWDED: "C",
+}
+
+
+def _by_case(rows: list[agree.Agreement]) -> str:
+    """The cases in which each implementation errs."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        marks = tuple(_mark(row, case) for case in every_case())
+        groups.setdefault(marks, []).append(row.name)
+    heads = [chr(ord("A") + i) for i in range(len(groups))]
+    lines = [
+        "## Agreement by case",
+        "",
+        "A tick: right in all targeted cells of the case. Else how many are right, of how many, "
+        "and the faults: F wrong face, T false tunnel, M missing tunnel, H hole, E wrong Euler "
+        "characteristic, C an edge with more than two triangles. Implementations that agree in "
+        "every entry share a column.",
+        "",
+        *(f"- **{h}** {', '.join(names)}" for h, names in zip(heads, groups.values(), strict=True)),
+        "",
+        f"| case | {' | '.join(heads)} |",
+        f"| --- | {' | '.join('---:' for _ in heads)} |",
+    ]
+    for i, case in enumerate(every_case()):
+        lines.append(f"| {case} | {' | '.join(marks[i] for marks in groups)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _mark(row: agree.Agreement, case: str) -> str:
+    """One entry of the table."""
+    right, total = row.right[case], row.total[case]
+    if right == total:
+        return "✓"
+    letters = sorted({LETTERS[Fault(f)] for (c, f) in row.faults if c == case})
+    return f"{right} of {total} {''.join(letters)}"
+
+
+def _smallest(found: list[agree.Smallest]) -> str:
+    """The smallest failing cells."""
+    lines = [
+        "## The smallest failing cell of each fault",
+        "",
+        "Samples in C order, F(0,0,0), F(0,0,1), .. F(1,1,1); the isovalue is 0. Smallest by the "
+        "largest number, then by the sum of sizes, among the whole numbers tried.",
+        "",
+        "| implementation | fault | case | samples |",
+        "| --- | --- | --- | --- |",
+        *(f"| {s.name} | {s.fault} | {s.case} | {' '.join(map(str, s.values))} |" for s in found),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,107 @@
+"""Variants pose the same case in another way, and say how to come back."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from isograde.variants import SYMMETRIES, VARIANTS, Variant, pose
+from isoref.field import Field
+
+FIELD = Field.of(
+    np.random.default_rng(0).integers(0, 200, (3, 4, 5)).astype(float),
+    (0.5, 1.0, 2.0),
+    (1.0, 2.0, 3.0),
+)
+SAME = ("repeat", "spacing", "fortran", "strided", "backwards", "float32", "int16", "uint8")
+
+
+def test_there_are_48_symmetries_with_the_plain_one() -> None:
+    """Six orders of the axes, eight ways to mirror them; half of all reflect."""
+    assert len({v.name for v in SYMMETRIES}) == 47
+    assert sum(v.reflects for v in SYMMETRIES) == 24
+
+
+@pytest.mark.parametrize("variant", [*SYMMETRIES, VARIANTS["translate"]], ids=lambda v: v.name)
+def test_the_way_back_finds_every_sample(variant: Variant) -> None:
+    """The value at an index of the variant is the value at the index it is brought back to."""
+    posed = variant.pose(FIELD, 0.5)
+    assert posed is not None
+    field, isovalue = posed
+    assert isovalue == 0.5
+    index = np.argwhere(np.ones(field.shape, bool))
+    plain = variant.back(index.astype(float), FIELD).astype(int)
+    kept = ((plain >= 0) & (plain < FIELD.shape)).all(axis=1)
+    assert kept.sum() == FIELD.values.size
+    ours, theirs = FIELD.values[tuple(plain[kept].T)], field.values[tuple(index[kept].T)]
+    assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("variant", SYMMETRIES, ids=lambda v: v.name)
+def test_a_variant_reflects_where_its_way_back_has_a_negative_determinant(variant: Variant) -> None:
+    """Faces must be turned over exactly then."""
+    origin = variant.back(np.zeros((1, 3)), FIELD)
+    matrix = variant.back(np.eye(3), FIELD) - origin
+    assert (np.linalg.det(matrix) < 0) == variant.reflects
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_layout_and_type_keep_the_numbers(name: str) -> None:
+    """The same values at the same indices."""
+    posed = pose(name, FIELD, 99.5)
+    assert posed is not None
+    assert np.array_equal(posed[0].values, FIELD.values)
+    assert posed[1] == 99.5
+
+
+def test_layouts_are_not_contiguous() -> None:
+    """None of them is what an implementation is usually given."""
+    for name in ("fortran", "strided", "backwards"):
+        posed = pose(name, FIELD, 0.0)
+        assert posed is not None
+        assert not posed[0].values.flags.c_contiguous
+
+
+def test_values_that_a_type_does_not_hold_are_not_posed() -> None:
+    """Halves are no integers, 300 is no byte, and a third is not in single precision."""
+    assert pose("int16", Field.of(np.full((2, 2, 2), 0.5)), 0.0) is None
+    assert pose("uint8", Field.of(np.full((2, 2, 2), 300.0)), 0.0) is None
+    assert pose("float32", Field.of(np.full((2, 2, 2), 1 / 3)), 0.0) is None
+    assert pose("float64", FIELD, 0.0) is None
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=8, max_size=8), st.floats(-1e3, 1e3))
+def test_a_shift_keeps_every_sample_on_its_side(values: list[float], isovalue: float) -> None:
+    """Or is not posed."""
+    field = Field.of(np.reshape(values, (2, 2, 2)))
+    posed = pose("shift", field, isovalue)
+    if posed is not None:
+        before, after = field.values - isovalue, posed[0].values - posed[1]
+        assert np.array_equal(np.sign(before), np.sign(after))
+
+
+def test_a_shift_that_makes_a_tie_is_not_posed() -> None:
+    """A difference of 1e-30 is lost beside 1."""
+    values = np.ones((2, 2, 2))
+    values[0, 0, 0] = 1e-30
+    assert pose("shift", Field.of(values), 0.0) is None
+
+
+def test_bad_input_is_bad() -> None:
+    """A NaN, a plane, nothing, and no isovalue."""
+    posed = {name: pose(name, FIELD, 0.5) for name in ("nan", "rank-2", "no-samples")}
+    fields = {name: p[0] for name, p in posed.items() if p is not None}
+    assert np.isnan(fields["nan"].values).sum() == 1
+    assert fields["rank-2"].values.ndim == 2
+    assert fields["no-samples"].values.size == 0
+    nothing = pose("isovalue-nan", FIELD, 0.5)
+    assert nothing is not None
+    assert np.isnan(nothing[1])
+
+
+def test_isovalues_beyond_all_samples() -> None:
+    """Above and below."""
+    above, below = pose("above", FIELD, 0.5), pose("below", FIELD, 0.5)
+    assert above is not None
+    assert below is not None
+    assert above[1] > FIELD.values.max()
+    assert below[1] < FIELD.values.min()

@@ -1,0 +1,144 @@
+"""What the page on the trilinear interpolant says, checked on samples."""
+
+import importlib
+import json
+import sys
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.doors import open_door
+from isograde.fields.trilinear_cells import far
+from isograde.model import Limits
+from isograde.truths.sheets import Fault
+from isograde.truths.trilinear import cells
+from isograde.truths.trilinear_cases import classes, every_topology
+from isoref.cycles import cycles
+from numpy.typing import NDArray
+
+FOLDER = Path(__file__).parents[2] / "papers" / "trilinear"
+Floats = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def module() -> Callable[[str], Any]:
+    """Imports a module of the paper's folder."""
+    sys.path.insert(0, str(FOLDER))
+    return importlib.import_module
+
+
+def saddle_cells(n: int, seed: int) -> Floats:
+    """Cells with the roots of their three quadratics in or near the cell."""
+    rng = np.random.default_rng(seed)
+    x, y, z = np.moveaxis(np.array([0, 1]) - rng.uniform(-0.2, 1.2, (2, n, 3, 1)), 2, 0)
+    weights = rng.uniform(-1, 1, (2, n))
+    return np.asarray(np.einsum("sn,sni,snj,snk->nijk", weights, x, y, z))
+
+
+def bernstein(values: Floats, axis: int) -> tuple[Floats, Floats, Floats]:
+    """Coefficients of the quadratic of the sweep along `axis`, worked out anew."""
+    w = np.moveaxis(values, axis + 1, 1).reshape(len(values), 2, 4)
+    a, b = w[:, 0], w[:, 1]
+    c0 = a[:, 0] * a[:, 3] - a[:, 1] * a[:, 2]
+    c2 = b[:, 0] * b[:, 3] - b[:, 1] * b[:, 2]
+    c1 = a[:, 0] * b[:, 3] + b[:, 0] * a[:, 3] - a[:, 1] * b[:, 2] - b[:, 1] * a[:, 2]
+    return c0, c1, c2
+
+
+def test_thirty_three_is_the_number_of_classes() -> None:
+    """Chernyaev's title."""
+    printed = json.loads((FOLDER / "printed.json").read_text(encoding="utf-8"))
+    assert len(classes(mirror=False)) == printed["chernyaev"]["cases"]
+
+
+def test_the_three_discriminants_are_one_number() -> None:
+    """Cayley's hyperdeterminant."""
+    values = saddle_cells(500, 0)
+    found = [c1 * c1 - 4 * c0 * c2 for c0, c1, c2 in (bernstein(values, a) for a in range(3))]
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found[2], found[0], rtol=1e-9, atol=1e-12)
+
+
+def test_a_tunnel_is_decided_by_three_quadratics_and_one_sign() -> None:
+    """The criterion of the page, beside the truth."""
+    values = saddle_cells(40_000, 1)
+    inside, sign = np.ones(len(values), bool), np.ones(len(values))
+    for axis in range(3):
+        c0, c1, c2 = bernstein(values, axis)
+        inside &= (c0 * c2 > 0) & (c0 * c1 < 0) & (c1 * c1 > 4 * c0 * c2)
+        sign *= np.sign(c0)
+    truths = cells(values)
+    assert ((inside & (sign < 0)) == (truths.tunnels > 0)).all()
+    assert (inside & (sign > 0)).any()
+
+
+def test_three_faces_round_a_corner_are_two_classes() -> None:
+    """Configuration 13: [12], or [3, 6, 3]; and a band of three, [12], occurs in no cell."""
+    checkers = 0b01101001
+    round_a_corner: set[tuple[int, ...]] = set()
+    band: set[tuple[int, ...]] = set()
+    for separated in product((0, 1), repeat=6):
+        if sum(separated) == 3:
+            bits = sum(b << f for f, b in enumerate(separated))
+            lengths = tuple(sorted(len(polygon) for polygon in cycles(checkers, bits)))
+            mixed = all(separated[2 * a] != separated[2 * a + 1] for a in range(3))
+            (round_a_corner if mixed else band).add(lengths)
+    assert round_a_corner == {(12,), (3, 3, 6)}
+    assert band == {(12,)}
+    occurring = {one.faces for one in every_topology() if all(one.faces) and sum(one.faces) == 0}
+    assert all(f[2 * a] != f[2 * a + 1] for f in occurring for a in range(3))
+
+
+def test_scikit_image_draws_a_tunnel_in_4_1_and_none_in_7_4_2(
+    module: Callable[[str], Any],
+) -> None:
+    """The page's sentence about `lewiner`, in the cells of the frozen vectors."""
+    agreement = module("agreement")
+    door = open_door("skimage:lewiner")
+    door.open(Limits())
+    try:
+        apart, joined = far("4.2", 0)[1], far("7.4.2", 0)[0]
+        found = agreement.faults(door, np.stack([apart, joined]), side=2)
+    finally:
+        door.close()
+    assert found == [Fault.FALSE, Fault.MISSING]
+
+
+def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], Any]) -> None:
+    """Each posed cell is read back from the field it stands in."""
+    agreement = module("agreement")
+    values = agreement.random_cells(27, 0)
+    field = agreement.stacked(values, 3)
+    for cell, (i, j, k) in zip(values, agreement.places(3), strict=True):
+        assert (field[i : i + 2, j : j + 2, k : k + 2] == cell).all()
+
+
+def test_the_reference_is_right_wherever_it_is_posed(module: Callable[[str], Any]) -> None:
+    """A sample of what reproduce.py counts at length."""
+    agreement = module("agreement")
+    door = open_door(agreement.REFERENCE)
+    door.open(Limits())
+    try:
+        assert set(agreement.faults(door, agreement.random_cells(3000, 5))) == {Fault.NONE}
+        total, wrong, crowds = agreement.grids_of_noise(door, 5, 8)
+        assert (wrong, crowds) == (0, 0)
+        assert total > 1000
+        assert not any(agreement.crowded(door, pair) for pair in agreement.tunnel_pairs())
+    finally:
+        door.close()
+
+
+@pytest.mark.slow
+def test_the_report_can_be_made_again(module: Callable[[str], Any], tmp_path: Path) -> None:
+    """The tables that need no library and no volume."""
+    reproduce = module("reproduce")
+    table, cases, _ = reproduce.how_many_cases(share=200)
+    assert [row.ours for row in table.rows[:5]] == [33, 31, 57, 768, 620]
+    assert "| 13.5.2 | 3, 3+6 | 16 |" in cases
+    checked = reproduce.checked_by_refinement(share=400)
+    assert not checked.differing()
+    module("figures").draw_tunnel(tmp_path / "tunnel.png")
+    assert (tmp_path / "tunnel.png").stat().st_size < 300_000
