@@ -141,21 +141,25 @@ def save(figure, path: Path) -> Path:
 
 
 def examples() -> list[tuple[tuple[int, ...], int, int]]:
-    """(type, signs, separated): for each type the cell with fewest cycles, then fewest corners."""
+    """(type, signs, separated): for each type the cell with fewest cycles, then fewest corners.
+
+    Among those that are equal, the one that shows the cycle most broadly.
+    """
     best: dict[tuple[int, ...], tuple] = {}
     for signs, separated in all_signatures():
         for cycle in cycles(signs, separated):
             reachable = attainable(signs, separated) if len(cycle) > 7 else True
-            rank = (
-                not reachable,
-                len(cycles(signs, separated)),
-                signs.bit_count(),
-                signs,
-                separated,
-            )
+            size = (len(cycles(signs, separated)), signs.bit_count())
+            rank = (not reachable, *size, -shown_area(cycle), signs, separated)
             best[kind(cycle)] = min(best.get(kind(cycle), rank), rank)
     order = sorted(best, key=lambda k: (len(k), k))
     return [(k, best[k][-2], best[k][-1]) for k in order]
+
+
+def shown_area(cycle: tuple[int, ...]) -> float:
+    """The area of the cycle's outline in the picture."""
+    x, y = flat(CENTRES[list(cycle)]).T
+    return round(abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2, 6)
 
 
 def draw_types(path: Path, resolution: str | None, shortest: int = 3, longest: int = 12) -> Path:

@@ -1,0 +1,125 @@
+"""VESTA: the original beside the marching variant and VTK's marching cubes, in turn, one thread.
+
+Prints a Markdown table for each field: seconds, ratio to the original, extra peak memory, points.
+`make benchmarks` keeps it in `reports/benchmarks/vesta.md`. The bunny is there where ISOGRADE_DATA
+names the folder that holds its scan.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from bench_extraction import noise, sphere, vtk_peers
+from isograde.fields.volumes import REGISTRY, find, read
+from isoref.diconex import diconex, diconex_plainly
+from isoref.field import Array, Field
+from isoref.methods import METHODS
+from isoref.vesta import cycles_plainly, extract
+from stopwatch import interleave, peak_memory
+
+Run = Callable[[], object]
+PAIRS = ("disconnect-L", "mixed-L", "mixed-H")
+BUNNY = REGISTRY["bunny"]
+
+
+def bunny() -> Array:
+    """The samples of the bunny's scan."""
+    place = find(BUNNY)
+    assert place is not None, "main offers the bunny only where it is"
+    return read(place, volume=BUNNY).values
+
+
+FIELDS: dict[str, tuple[Callable[[], Array], float]] = {
+    "sphere 128^3": (lambda: sphere(128), 0.0),
+    "sphere 256^3": (lambda: sphere(256), 0.0),
+    "smoothed noise 128^3": (lambda: noise(128), 0.0),
+    "bunny 361 x 512 x 512": (bunny, 1807.0),
+}
+
+
+def contestants(values: Array, isovalue: float) -> dict[str, Run]:
+    """The codes as calls without arguments, the original first."""
+    field = Field.of(values)
+
+    def method(name: str) -> Run:
+        return lambda: METHODS[name](field, isovalue)
+
+    runs: dict[str, Run] = {}
+    for pair in PAIRS:
+        runs[f"original, {pair}"] = method(f"vesta-{pair}")
+        runs[f"marching, {pair}"] = method(f"marching-vesta-{pair}")
+    try:
+        peers = vtk_peers(values, isovalue)
+    except ImportError:
+        return runs
+    return runs | {name: run for name, run in peers.items() if "arching" in name}
+
+
+def table(title: str, runs: dict[str, Run], rounds: int) -> str:
+    """Seconds, ratios and memory of these calls."""
+    lines = [
+        f"## {title}",
+        "",
+        "| | median s | time / first | extra peak MiB |",
+        "| --- | ---: | ---: | ---: |",
+    ]
+    for timing in interleave(runs, rounds):
+        memory = peak_memory(runs[timing.name]) / 2**20
+        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
+def twins(rounds: int) -> list[str]:
+    """The vectorised algorithms beside the loops they are read by."""
+    volume = np.random.default_rng(1).normal(size=(16, 16, 16))
+    image = np.random.default_rng(2).normal(size=(64, 64))
+    return [
+        table(
+            "VESTA beside its plain twin: noise 16^3, closed border",
+            {
+                "arrays": lambda: extract(volume, 0.0, border="closed"),
+                "plain loop": lambda: cycles_plainly(volume, 0.0),
+            },
+            rounds,
+        ),
+        table(
+            "DICONEX beside its plain twin: noise 64^2, closed border",
+            {
+                "arrays": lambda: diconex(image, 0.0, border="closed").polygons(),
+                "plain loop": lambda: diconex_plainly(image, 0.0),
+            },
+            rounds,
+        ),
+    ]
+
+
+def main() -> None:
+    """Run the tables and write them down."""
+    offered = [name for name in FIELDS if not name.startswith("bunny") or find(BUNNY) is not None]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--fields", nargs="*", choices=list(FIELDS), default=offered)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/vesta.md"))
+    arguments = parser.parse_args()
+    parts = [
+        "# VESTA, one thread",
+        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; "
+        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+    ]
+    for name in arguments.fields:
+        build, isovalue = FIELDS[name]
+        values = build()
+        parts.append(table(name, contestants(values, isovalue), arguments.rounds))
+        print(parts[-1], flush=True)
+    parts += twins(arguments.rounds)
+    print(*parts[-2:], sep="\n")
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
