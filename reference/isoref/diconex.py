@@ -22,10 +22,10 @@ point       moved along the range vector
 At the head of an ICV four pixels meet: v (active) and w = v + r (inactive) behind it, p = v + d
 and q = w + d ahead::
 
-      q | p        straight on    p active, q inactive    (p, r)
+      p | q        straight on    p active, q inactive    (p, r)
      ---+---       left turn      neither active          (v, d)
-      w ^ v        right turn     both active             (q, -d)
-      r <- d up    POA            q active, p inactive    left to disconnect, right to connect
+      v ^ w        right turn     both active             (q, -d)
+     d up, r ->    POA            q active, p inactive    left to disconnect, right to connect
 
 Invariants
 ----------
@@ -167,7 +167,7 @@ def diconex(
 def initial_contour_vectors(active: Booleans) -> Integers:
     """(N, 3) rows (i, j, r): active pixels and the directions of their inactive neighbours.
 
-    `active` is framed by inactive pixels. Rows are sorted. (Fig. 1b, 1c)
+    `active` is framed by inactive pixels. Rows are sorted. See Figs. 1b and 1c.
     """
     neighbour = np.stack([np.roll(active, (-i, -j), (0, 1)) for i, j in DIRECTIONS], axis=-1)
     return np.argwhere(active[..., None] & ~neighbour)

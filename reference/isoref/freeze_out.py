@@ -66,7 +66,7 @@ def hypersurface(temperature: Field, freeze_out: float) -> Surface:
 
 
 def triangle_elements(mesh: Mesh) -> Elements:
-    """The dsigma of each triangle, at its middle. (Fig. 33d).
+    """The dsigma of each triangle, at its middle, as in Fig. 33d.
 
     >>> triangle_elements(Mesh.of(np.eye(3), [[0, 1, 2]])).normals
     array([[0.5, 0.5, 0.5]])
@@ -76,7 +76,7 @@ def triangle_elements(mesh: Mesh) -> Elements:
 
 
 def cycle_elements(surface: Surface) -> Elements:
-    """The dSigma of each cycle, at its average. (Eq. 1)."""
+    """The dSigma of each cycle, at its average, eq. 1."""
     averages = [surface.points[rows].mean(axis=1) for rows in surface.cycles.values()]
     empty = np.empty((0, 3))
     return Elements(
@@ -105,7 +105,7 @@ def physical_triangles(mesh: Mesh, axes: Sequence[int]) -> Mesh:
 
 
 def contour_stack(temperature: Field, freeze_out: float, axis: int) -> list[list[Floats]]:
-    """For each plane across `axis`, its contours as (n, 2) polygons. (Figs. 30, 31a to 31c).
+    """For each plane across `axis`, its contours as (n, 2) polygons, as in Figs. 30 and 31.
 
     Joining the contours of neighbouring planes to a surface is a matter of luck: where their
     number changes it is not said which continues which.

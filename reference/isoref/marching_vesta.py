@@ -69,7 +69,7 @@ PATHS = tuple((_plus_path(e), _plus_path(e)[::-1]) for e in range(12))
 
 
 def cell_paths(signs: int) -> dict[int, Path]:
-    """Centre -> path, for each boundary face that has a quarter in the cell. (Fig. 17b).
+    """Centre -> path, for each boundary face that has a quarter in the cell, as in Fig. 17b.
 
     >>> cell_paths(0b00000001)
     {0: (2, 0, 4), 4: (4, 4, 0), 8: (0, 8, 2)}
@@ -132,7 +132,7 @@ def decisions(g: Floats) -> Integers:
 
 
 def tile(signs: int, decisions: int, mode: Mode, resolution: Resolution) -> Tile:
-    """The triangles of the cell's cycles. (Section II.D, Figs. 8, 9 and 14)."""
+    """The triangles of the cell's cycles, as in Figs. 8, 9 and 14."""
     separated = {"disconnect": 0b111111, "connect": 0, "mixed": decisions}[mode]
     triangles: list[Triangle] = []
     averages: list[Placement] = []

@@ -126,7 +126,7 @@ class Surface:
         return {length: len(rows) for length, rows in self.cycles.items()}
 
     def mesh(self, resolution: Resolution = "L") -> Mesh:
-        """The cycles cut into triangles. (Section II.D).
+        """The cycles cut into triangles, section II.D.
 
         ``"L"`` adds no point to a cycle of up to seven; ``"H"`` adds the average of its points to
         every cycle of more than three. Cycles of 8, 9 and 12 always take their average: most of
@@ -146,7 +146,7 @@ class Surface:
 
     @cached_property
     def normals(self) -> dict[int, Floats]:
-        """N -> (n, 3) the sum of the normals of a cycle's triangles, outward. (Eq. 1).
+        """N -> (n, 3) the sum of the outward normals of a cycle's triangles, eq. 1.
 
         Half the sum of the cross products of neighbours: it is the same for every way to cut the
         cycle into triangles, so it needs none.
@@ -245,7 +245,7 @@ class Faces:
 
     @classmethod
     def of(cls, active: Booleans) -> Faces:
-        """All boundary faces of a framed volume. (Section II.B)."""
+        """All boundary faces of a framed volume, section II.B."""
         flat = active.ravel()
         keys = np.sort(np.concatenate([_crossings(flat, a, active.shape) for a in range(3)]))
         lower, axis = np.divmod(keys, 3)
@@ -373,7 +373,7 @@ def _rows(successor: Integers, start: Integers, length: int) -> Integers:
 
 
 def _points(faces: Faces, field: Field, alpha: float, displaced: bool) -> Floats:
-    """(F, 3) positions of the support points. (Fig. 2d)."""
+    """(F, 3) positions of the support points, as in Fig. 2d."""
     place = 0.5 * faces.centres
     if displaced:
         inner = np.flatnonzero(~faces.outer)
