@@ -31,7 +31,7 @@ from isoref.freeze_out import (
     physical_triangles,
     triangle_elements,
 )
-from isoref.marching_vesta import CENTRES, JUNCTURES, PATHS, RULES, paper_number, rule
+from isoref.marching_vesta import CENTRES, JUNCTURES, PATHS, RULES, cycles, paper_number, rule
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
 from isoref.sweep import sweep
@@ -100,6 +100,11 @@ def census_report(folder: Path) -> list[Table | str]:
     table.add("types over all decisions", None, len(every))
     lengths = sorted({len(cycle) for cycle in every})
     table.add("lengths that occur", "3 4 5 6 7 8 9 12", " ".join(map(str, lengths)))
+    split = [way[1:] for way in figures.resolutions() if len(cycles(*way[1:])) > 1]
+    never = [way for way in split if not census.attainable(*way)]
+    table.add("ways to split a longer cycle (Fig. 13, a to l)", 12, len(split))
+    sizes = "; ".join("+".join(str(len(c)) for c in cycles(*way)) for way in never)
+    table.add("of these never created (Fig. 13l)", 1, len(never), note=sizes)
     for mode, separated in counts.GLOBAL.items():
         found = counts.lengths({(signs, separated): 1 for signs in range(256)})
         for length, number in found.items():

@@ -127,6 +127,18 @@ def test_unattainable_decisions_are_12_cycles_and_pairs_of_6_cycles(
     assert never == {(12,): 24, (6, 6): 12}
 
 
+def test_longer_cycles_split_in_twelve_ways_one_of_them_never(
+    module: Callable[[str], Any],
+) -> None:
+    """Fig. 13: panels (a) to (k), and (l), which can never be created."""
+    census, figures = module("vesta_census"), module("vesta_figures")
+    ways = [(signs, separated) for _, signs, separated in figures.resolutions()]
+    split = [way for way in ways if len(census.cycles(*way)) > 1]
+    assert len(split) == 12
+    (never,) = (way for way in split if not census.attainable(*way))
+    assert [len(c) for c in census.cycles(*never)] == [6, 6]
+
+
 def test_random_values_take_attainable_decisions_only(module: Callable[[str], Any]) -> None:
     """The linear programme is right: no eight numbers contradict it."""
     census = module("vesta_census")
