@@ -76,7 +76,7 @@ def test_the_whole_program_runs_without_real_data(
     monkeypatch.delenv("ISOGRADE_DATA", raising=False)
     monkeypatch.setattr(reproduce, "figure_1", lambda *_: "no pictures here")
     report = tmp_path / "ljung_ynnerman.md"
-    tables = reproduce.main(24, (17, 25), 2, report)
+    tables = reproduce.main(24, (13, 17, 25), 2, report)
     text = report.read_text(encoding="utf-8")
     assert len(tables) == 7
     assert "Skipped: no pictures here." in text
