@@ -76,6 +76,16 @@ def test_the_table_is_the_references_on_ties() -> None:
     assert Counter(frequencies(field, 2).counts) == by_the_reference(field, 2)
 
 
+def test_the_isovalue_is_not_rounded_to_the_samples_type() -> None:
+    """The nearest single to 0.3 is above 0.3 and inside, its lower neighbour outside."""
+    near = np.float32(0.3)
+    samples = [near, np.nextafter(near, np.float32(0)), np.float32(0)]
+    values = np.random.default_rng(0).choice(np.array(samples), (9, 9, 9))
+    found = frequencies(Field.of(values), 0.3)
+    assert found.counts == frequencies(Field.of(values.astype(np.float64)), 0.3).counts
+    assert Counter(found.counts) == by_the_reference(Field.of(values), 0.3)
+
+
 def test_example_3_has_the_counts_of_table_1() -> None:
     """Nielson & Hamann, Table 1, column Example 3, A/B split included."""
     found = frequencies(nielson_hamann.example_3(), nielson_hamann.ISOVALUE_3)

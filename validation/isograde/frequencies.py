@@ -157,8 +157,9 @@ def frequencies(field: Field, isovalue: float, tie: str = "inside") -> Frequenci
     if field.dimension != 3 or field.components != 1:
         raise FieldError("frequencies need one value a sample on a 3-D lattice")
     isovalue = check_isovalue(isovalue)
-    inside = field.values >= isovalue if tie == "inside" else field.values > isovalue
-    signs = signs_of(inside)
+    # Compare in double precision: the samples' own would round the isovalue.
+    above = np.greater_equal if tie == "inside" else np.greater
+    signs = signs_of(above(field.values, isovalue, signature="dd->?"))
     plain = np.bincount(signs.reshape(-1), minlength=256)
     counts: Counter[str] = Counter()
     for value in range(256):
