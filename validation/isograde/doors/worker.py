@@ -45,14 +45,14 @@ def main(log: int) -> None:
     """Serve frames until the grader closes the pipe."""
     source, sink = _set_pipes_aside(log)
     faulthandler.enable()
-    read = _reader(source)
+    read, memory = _reader(source), Memory()
     try:
         asked, _ = unpack(read)
         extract, files = _serve_load(asked, sink), Path(asked["files"])
         while extract is not None:
             header, arrays = unpack(read, mmap_mode="r")
             signal.setitimer(signal.ITIMER_REAL, header["seconds"] + GRACE_SECONDS)
-            _send(sink, pack(*_call(extract, header, arrays[0]), files))
+            _send(sink, pack(*_call(extract, header, arrays[0], memory), files))
             signal.setitimer(signal.ITIMER_REAL, 0)
     except EOFError:
         return
@@ -104,14 +104,16 @@ def _serve_load(header: Header, sink: int) -> Extract | None:
     return extract
 
 
-def _call(extract: Extract, header: Header, samples: NDArray[Any]) -> tuple[Header, Arrays]:
+def _call(
+    extract: Extract, header: Header, samples: NDArray[Any], memory: Memory
+) -> tuple[Header, Arrays]:
     """The answer to one request: how it went, what it cost, and the mesh if there is one."""
     given = _laid_out(samples, header["strides"])
-    before = _reset_peak()
+    before = memory.reset()
     start = time.perf_counter()
     status, detail, answer = _outcome(extract, given, header)
     seconds = time.perf_counter() - start
-    peak = max(0, _peak() - before)
+    peak = max(0, memory.peak() - before)
     arrays: Arrays = []
     if status is Status.OK:
         try:
@@ -156,27 +158,29 @@ def _differ(samples: NDArray[Any], given: NDArray[Any]) -> bool:
     return given.shape != samples.shape or not np.array_equal(samples, given, equal_nan=floats)
 
 
-def _reset_peak() -> int:
-    """Resident bytes now; where the system can, the peak is counted from here."""
-    try:
-        descriptor = os.open("/proc/self/clear_refs", os.O_WRONLY)
-    except OSError:
-        return _peak()
-    try:
-        os.write(descriptor, RESET_PEAK)
-    finally:
-        os.close(descriptor)
-    return _peak()
+class Memory:
+    """The resident memory of this process; its files are opened once, for thousands of calls."""
 
+    def __init__(self) -> None:
+        try:
+            self._reset = os.open("/proc/self/clear_refs", os.O_WRONLY)
+            self._status = os.open("/proc/self/status", os.O_RDONLY)
+        except OSError:
+            self._reset = self._status = -1
 
-def _peak() -> int:
-    """The largest number of resident bytes, since `_reset_peak` where the system can."""
-    try:
-        status = Path("/proc/self/status").read_bytes()
-    except OSError:
-        unit = 1 if sys.platform == "darwin" else 1024
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
-    return 1024 * int(status.partition(b"VmHWM:")[2].split(maxsplit=1)[0])
+    def reset(self) -> int:
+        """Resident bytes now; where the system can, the peak is counted from here."""
+        if self._reset >= 0:
+            os.pwrite(self._reset, RESET_PEAK, 0)
+        return self.peak()
+
+    def peak(self) -> int:
+        """The largest number of resident bytes, since `reset` where the system can."""
+        if self._status < 0:
+            unit = 1 if sys.platform == "darwin" else 1024
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
+        status = os.pread(self._status, 1 << 14, 0)
+        return 1024 * int(status.partition(b"VmHWM:")[2].split(maxsplit=1)[0])
 
 
 if __name__ == "__main__":
