@@ -135,7 +135,7 @@ def checked_by_refinement(share: int) -> Table:
     """The truth beside refinement and digital topology."""
     table = Table("The truth, checked by refinement and digital topology")
     for title, values in (
-        ("random cells", agree.random_cells(20_000 // share, 1)),
+        ("random cells", agree.random_cells(10_000 // share, 1)),
         ("targeted cells", agree.targeted()[1][:: 2 * share]),
     ):
         truths = cells(values)
@@ -150,7 +150,7 @@ def checked_by_refinement(share: int) -> Table:
             agreed += (found.components, found.euler, found.curves) == mine
         table.add(f"{title}: cells that refinement resolves", None, len(values) - unresolved)
         table.add(f"{title}: agreeing", len(values) - unresolved, agreed)
-    agreed, resolved = _grids_by_refinement(400 // share)
+    agreed, resolved = _grids_by_refinement(300 // share)
     table.add("grids of 4^3 samples that refinement resolves", None, resolved)
     table.add("grids agreeing", resolved, agreed)
     return table
@@ -261,7 +261,7 @@ def libraries(share: int) -> list[Table | str]:
         small
         for row in judged
         if row.faults and not row.name.startswith("isoref")
-        for small in agree.smallest_failures(row.name, range(2, 9) if share == 1 else (4, 8))
+        for small in agree.smallest_failures(row.name, (2, 3, 4, 6) if share == 1 else (4, 8))
     ]
     return [_summary(rows), _by_case(judged), _smallest(smallest)]
 

@@ -1,6 +1,7 @@
 """Every claim the grader judges, by id: one module a family, each with a tuple ``CLAIMS``."""
 
 from isograde.claims import (
+    accuracy,
     cases,
     counting,
     cycles,
@@ -25,6 +26,7 @@ FAMILIES = (
     counting,
     symmetry,
     robustness,
+    accuracy,
 )
 
 CLAIMS: dict[str, Claim] = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}

@@ -4,7 +4,18 @@ from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 
-from isograde.fields import analytic, blocks, cells, nielson_hamann, noise, pairs, ties, volumes
+from isograde.fields import (
+    accuracy,
+    analytic,
+    blocks,
+    cells,
+    nielson_hamann,
+    noise,
+    pairs,
+    ties,
+    trilinear_cells,
+    volumes,
+)
 from isograde.model import Case
 
 FAMILIES: dict[str, ModuleType] = {
@@ -12,7 +23,9 @@ FAMILIES: dict[str, ModuleType] = {
     "pairs": pairs,
     "ties": ties,
     "noise": noise,
+    "trilinear": trilinear_cells,
     "analytic": analytic,
+    "accuracy": accuracy,
     "nielson-hamann": nielson_hamann,
     "real": volumes,
 }

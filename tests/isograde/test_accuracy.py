@@ -1,0 +1,126 @@
+"""Observed orders: the formulas beside scipy and trimesh, right answers, and wrong ones."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import trimesh
+from isograde.claims import accuracy
+from isograde.fields import accuracy as fields
+from isograde.model import Case, Declaration, Outcome, Status, Trial, Verdict
+from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
+from isograde.truths.halfedges import Surface
+from isoref.field import Field, Floats
+from isoref.methods import METHODS
+from scipy import stats
+
+CASES = {case.id: case for case in fields.cases()}
+CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS}
+
+
+def trial(case: Case, change: Callable[[Floats], Floats] = lambda v: v) -> Trial:
+    """The reference's answer to the case, its samples changed."""
+    field = case.build()
+    posed = Field.of(change(np.asarray(field.values, np.float64)))
+    mesh = METHODS["trilinear-cubes"](posed, case.isovalue)
+    outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+    return Trial(case, field, Declaration("here"), {"plain": outcome})
+
+
+def verdicts(made: Trial) -> dict[str, Verdict]:
+    """What each claim says."""
+    return {name: claim.judge(made).verdict for name, claim in CLAIMS.items()}
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=list(CASES))
+def test_linear_interpolation_has_the_formal_orders(case: Case) -> None:
+    """Etiene and others 2009: position, area and volume 2, normals 1."""
+    made = trial(case)
+    assert set(verdicts(made).values()) == {Verdict.PASS}
+    order = CLAIMS["accuracy.position"].judge(made).numbers["order"]
+    assert 1.8 < order < 2.2
+
+
+def test_midpoints_are_caught_by_position_normal_area_and_curvature() -> None:
+    """Vertices in the middle of edges: first order at best; volume is right on average."""
+    found = verdicts(trial(CASES["accuracy/sphere"], np.sign))
+    wrong = {name for name, verdict in found.items() if verdict is Verdict.FAIL}
+    assert {f"accuracy.{q}" for q in ("position", "normal", "area", "curvature")} == wrong
+
+
+def test_a_shifted_isovalue_is_caught_by_volume_and_position() -> None:
+    """Half a spacing too large: the error of the volume shrinks with order 1 only."""
+    found = verdicts(trial(CASES["accuracy/sphere"], lambda v: v + 0.5))
+    assert found["accuracy.volume"] is found["accuracy.position"] is Verdict.FAIL
+    assert found["accuracy.normal"] is Verdict.PASS
+
+
+def test_a_missing_body_is_not_judged() -> None:
+    """That is a fault of level 1."""
+    found = verdicts(trial(CASES["accuracy/sphere"], lambda v: v - 4.0))
+    assert set(found.values()) == {Verdict.SKIP}
+
+
+def test_orders_are_those_of_scipy() -> None:
+    """Slope and confidence interval by another hand."""
+    rng = np.random.default_rng(0)
+    h = np.geomspace(0.01, 1, 9)
+    error = h**1.7 * np.exp(rng.normal(0, 0.1, 9))
+    mine = observed_order(h, error)
+    theirs = stats.linregress(np.log(h), np.log(error))
+    half = stats.t.ppf(0.975, 7) * theirs.stderr
+    np.testing.assert_allclose(
+        [mine.value, mine.low, mine.high],
+        [theirs.slope, theirs.slope - half, theirs.slope + half],
+    )
+
+
+def test_curvature_is_that_of_trimesh_and_of_polyhedra() -> None:
+    """A cube's total mean curvature is 3 pi times its side; trimesh sums the same angles."""
+    box = trimesh.creation.box()
+    assert np.isclose(total_mean_curvature(Surface.of(box.vertices, box.faces)), 3 * np.pi)
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
+    mine = total_mean_curvature(Surface.of(np.asarray(ball.vertices), np.asarray(ball.faces)))
+    assert np.isclose(mine, ball.integral_mean_curvature, rtol=1e-6)
+    assert np.isclose(mine, 8 * np.pi, rtol=0.01)
+
+
+def test_normals_of_a_flat_face_have_their_angle() -> None:
+    """A face tilted by 0.1."""
+    flat = Surface.of(np.array([[0, 0, 0], [1.0, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    truth = np.array([[np.sin(0.1), 0, np.cos(0.1)]])
+    assert np.isclose(normal_error(flat, truth), 0.1)
+    assert np.isclose(normal_error(flat, -truth), 0.1)
+
+
+@pytest.mark.parametrize("shape", fields.SCALES)
+def test_bodies_stand_clear_and_measure_what_their_meshes_do(shape: fields.Shape) -> None:
+    """Distance, normals, area and volume beside a fine mesh and finite differences."""
+    bodies, samples = fields.row(shape)
+    for body in bodies:
+        wide, high = body.reach
+        extent = np.array([wide, wide, high])
+        assert (np.array(body.middle) - extent > 1).all()
+        assert (np.array(body.middle) + extent < np.array(samples) - 2).all()
+    body = bodies[-1]
+    scale = body.scale
+    made = (
+        trimesh.creation.icosphere(5, scale)
+        if shape == "sphere"
+        else trimesh.creation.torus(scale, fields.TUBE * scale, 200, 200)
+    )
+    assert np.isclose(made.area, body.area, rtol=2e-3)
+    assert np.isclose(made.volume, body.volume, rtol=3e-3)
+    assert np.isclose(made.integral_mean_curvature, body.bend, rtol=2e-3)
+    points = np.asarray(made.vertices) * 1.05 + np.array(body.middle)
+    step = 1e-5 * np.eye(3)
+    slopes = [(body.distance(points + s) - body.distance(points - s)) / 2e-5 for s in step]
+    np.testing.assert_allclose(body.normals(points), np.stack(slopes, axis=1), atol=1e-6)
+
+
+def test_part_of_a_row_is_not_judged() -> None:
+    """A block cut from the field has no whole bodies."""
+    whole = trial(CASES["accuracy/sphere"])
+    part = Case("accuracy/sphere/block", whole.case.build, 0.0, 8, whole.case.tags)
+    made = Trial(part, whole.field, whole.declaration, whole.outcomes)
+    assert set(verdicts(made).values()) == {Verdict.SKIP}
