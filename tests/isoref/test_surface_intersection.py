@@ -1,13 +1,17 @@
 """Surface intersection: eq. 1, tables 2 and 3, exact signs, and agreement with marching faces."""
 
 from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
+from types import ModuleType
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from isograde.truths.space_curves import KNOWN, KnownCurves, knot_determinant, linking_numbers
 from isoref import lorensen_cline, marching_faces
+from isoref import surface_intersection as surface_intersection_module
 from isoref.curves import Curve, real_and_imaginary
 from isoref.field import Field, FieldError, Floats
 from isoref.mesh import Mesh
@@ -201,6 +205,30 @@ class TestTriangles:
         assert meet(flat, above * [1, 1, -1]) == []
         assert sorted(meet(flat, on_edge)[0]) == [[1, 1, 0], [2, 1, 0]]
         assert meet(flat, below) == []
+
+
+class TestKnownCurves:
+    """Curves whose equations are known, found by both methods."""
+
+    @pytest.mark.parametrize("make", KNOWN, ids=lambda make: make.__name__)
+    @pytest.mark.parametrize("module", [marching_faces, surface_intersection_module])
+    def test_lengths_links_and_knots_are_those_known(
+        self, make: Callable[[], KnownCurves], module: ModuleType
+    ) -> None:
+        """Circles, cylinders, Villarceau, hydrogen, Hopf link, trefoil; two isovalues."""
+        known = make()
+        first, second, spacing = known.sample((31, 33, 32))
+        fields = [Field.of(f, spacing.tolist(), (-known.half,) * 3) for f in (first, second)]
+        curves = module.intersection_curves(*fields, known.levels)
+        assert_whole(curves, fields[0])
+        length = sum(curve.length for curve in curves)
+        assert length == pytest.approx(known.length, rel=0.02 if known.transversal else 0.08)
+        if known.transversal:
+            polylines = [curve.polyline for curve in curves]
+            closed = [curve.polyline for curve in curves if curve.closed]
+            assert (len(curves), len(closed)) == (len(known.curves), known.closed)
+            assert linking_numbers(polylines) == list(known.links)
+            assert sorted(map(knot_determinant, closed)) == list(known.determinants)
 
 
 class TestCurves:

@@ -9,7 +9,7 @@ spacing     three floats; a point is ``index * spacing``, in the order of the ar
 answer      one array a curve, its points in order; a closed curve repeats its first point
 
 It goes through the doors like any other: `through_door` makes of it a function of one array (the
-two fields stacked, shifted to one isovalue) that answers with arrays of points and curve numbers::
+two fields stacked) that answers with arrays of points and curve numbers::
 
     extract = through_door(extract_curves)          # then: python:my.module:extract
 
@@ -71,13 +71,15 @@ LEAST_ORDER = 1.4
 def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
     """`function` as the doors call it: stacked values (2, N1, N2, N3), one isovalue, spacing.
 
+    Where the second isovalue differs, a third array (N1, N2, N3) holds nothing but it.
     It answers with the points of all curves (V, 3) and, for each, the number of its curve (V, 1).
     """
 
     def extract(
         values: NDArray[Any], isovalue: float, spacing: tuple[float, ...]
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        answer = function(values[0], values[1], isovalue, isovalue, tuple(spacing))
+        second = float(values[2].flat[0]) if len(values) == 3 else isovalue
+        answer = function(values[0], values[1], isovalue, second, tuple(spacing))
         parts = [np.asarray(curve, np.float64) for curve in answer]
         for number, part in enumerate(parts):
             if part.ndim != 2 or part.shape[1] != 3:
@@ -276,10 +278,12 @@ def known_curves() -> Mapping[str, KnownCurves]:
 def _known_case(known: KnownCurves) -> Case:
     """The case that samples two functions whose common zeros are known."""
     tags = {"curves", "known", "generic"} if known.transversal else {"curves", "touching"}
+    if known.levels != (0, 0):
+        tags = {"curves", "known", "levels"}
     return Case(
         f"curves/{known.name}",
         lambda: _sampled(known, COARSE),
-        0.0,
+        known.levels[0],
         int(np.prod(COARSE)),
         frozenset(tags),
         {"length": known.length, "closed": known.closed},
@@ -287,16 +291,19 @@ def _known_case(known: KnownCurves) -> Case:
 
 
 def _sampled(known: KnownCurves, shape: tuple[int, int, int]) -> Field:
-    """Both functions on the lattice, as one field of two components."""
+    """Both functions on the lattice, as one field; a third component is the second isovalue."""
     first, second, spacing = known.sample(shape)
-    return _pair(first, second, spacing, -known.half)
+    one, two = known.levels
+    last = [] if one == two else [np.full(shape, two)]
+    values = np.stack([first, second, *last])
+    return Field.of(values, spacing.tolist(), (-known.half,) * 3, dimension=3)
 
 
 def _pair(
-    first: NDArray[Any], second: NDArray[Any], spacing: Any = 1.0, corner: float = 0.0
+    first: NDArray[Any], second: NDArray[Any], spacing: float | tuple[float, ...] = 1.0
 ) -> Field:
     """Two arrays as one field of two components."""
-    return Field.of(np.stack([first, second]), spacing, (corner,) * 3, dimension=3)
+    return Field.of(np.stack([first, second]), spacing, dimension=3)
 
 
 def _waves(seed: int) -> Field:
@@ -442,7 +449,7 @@ CLAIMS: tuple[Claim, ...] = (
         "every curve is closed or ends on the border of the lattice",
         1,
         lambda curves, trial: whole(curves, *_corners(trial)),
-        {"generic", "touching"},
+        {"generic", "touching", "levels"},
         "Ljung & Ynnerman, section 5: until the curve reaches the boundary or connects to itself",
     ),
     _claim(
@@ -450,7 +457,7 @@ CLAIMS: tuple[Claim, ...] = (
         "no point is on two curves, or twice on one",
         1,
         lambda curves, _: no_point_twice(curves),
-        {"generic"},
+        {"generic", "levels"},
         "Ljung & Ynnerman, section 5: segments are marked to prevent multiple connections",
     ),
     _claim(

@@ -24,7 +24,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -50,6 +50,7 @@ class KnownCurves:
     transversal : False where the surfaces touch; curves may then be joined in several ways
     links : linking numbers of the pairs of closed curves, without sign, in ascending order
     determinants : of the closed curves, ascending
+    levels : what is added to either function where it is sampled; the isovalues of the samples
     """
 
     name: str
@@ -60,6 +61,7 @@ class KnownCurves:
     transversal: bool = True
     links: tuple[int, ...] = ()
     determinants: tuple[int, ...] = ()
+    levels: tuple[float, float] = (0.0, 0.0)
 
     @property
     def closed(self) -> int:
@@ -72,11 +74,12 @@ class KnownCurves:
         return sum(length(curve) for curve in self.curves)
 
     def sample(self, shape: tuple[int, int, int]) -> tuple[Points, Points, Points]:
-        """Both functions on so many samples along each axis of the cube, and the spacing (3,)."""
+        """Both functions, raised to their levels, on so many samples an axis; the spacing (3,)."""
         axes = [np.linspace(-self.half, self.half, n) for n in shape]
         grid = np.meshgrid(*axes, indexing="ij")
         spacing = 2 * self.half / (np.array(shape) - 1.0)
-        return self.first(*grid), self.second(*grid), spacing
+        one, two = self.levels
+        return self.first(*grid) + one, self.second(*grid) + two, spacing
 
     def bend(self, reach: float) -> tuple[float, float]:
         """M of the two functions: the largest second derivatives within `reach` of the curves.
@@ -167,6 +170,11 @@ def two_cylinders() -> KnownCurves:
         links=(0,),
         determinants=(1, 1),
     )
+
+
+def two_isovalues() -> KnownCurves:
+    """The two cylinders again, as isosurfaces of two different isovalues."""
+    return replace(two_cylinders(), name="two-isovalues", levels=(0.7, -1.3))
 
 
 def villarceau() -> KnownCurves:
@@ -305,6 +313,7 @@ def trefoil() -> KnownCurves:
 KNOWN: tuple[Callable[[], KnownCurves], ...] = (
     two_spheres,
     two_cylinders,
+    two_isovalues,
     villarceau,
     hydrogen_ring,
     hydrogen_axis,
