@@ -21,6 +21,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
+# The same picture gives the same file.
+plt.rcParams["svg.hashsalt"] = "min_2003"
 INK, BOXES, WARM, COOL = "#1b2a41", "#5b7083", np.array([0.86, 0.45, 0.28]), "#2a6f97"
 
 
