@@ -258,6 +258,31 @@ def test_no_values_decide_for_13c_13e_or_13g() -> None:
     }
 
 
+def nearly_degenerate(n: int) -> Floats:
+    """(8, n) values of configuration 13 with all six saddles within rounding of the isovalue."""
+    p2, p4, p5, p7 = np.random.default_rng(0).uniform(0.3, 3, (4, n))
+    # On each face the product of the marked values is that of the others: solve for the others.
+    q1 = np.sqrt(p2 * p4 * p5 / p7)
+    others = {1: -q1, 3: -p2 * p4 / q1, 6: -p2 * p5 / q1, 8: -p4 * p5 / q1}
+    values = {2: p2, 4: p4, 5: p5, 7: p7} | others
+    return np.array([values[v] for v in sorted(V, key=lambda v: V[v])])
+
+
+def test_exact_decisions_avoid_what_cannot_be_where_rounded_ones_do_not() -> None:
+    """Saddles within rounding of the isovalue: plain products decide for 13C, 13E or 13G."""
+    g = nearly_degenerate(100_000)
+    rounded = np.zeros(g.shape[1], np.int64)
+    for f, walk in enumerate(cube.FACE_CORNERS):
+        a, b, c, d = g[list(walk)]
+        below = np.where(a >= 0, a * c < b * d, b * d < a * c)
+        rounded |= below.astype(np.int64) << f
+    barred = [
+        d for d in range(64) if decider.variant(decider.drawing(13), d) in ("13C", "13E", "13G")
+    ]
+    assert not np.isin(decider.decisions(g), barred).any()
+    assert np.isin(rounded, barred).sum() > 100
+
+
 def test_marked_corners_of_a_complement_are_the_outside_ones() -> None:
     """Section 1: marked and unmarked may be exchanged; separated is said of the marked ones."""
     for signs, d in all_cells():
