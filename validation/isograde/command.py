@@ -36,7 +36,6 @@ from isograde.fields import all_cases, volumes
 from isograde.frequencies import frequencies
 from isograde.grading import grade as grade_one
 from isograde.model import LEVELS, Case, Claim, DoorError, Limits, Request, Verdict
-from isograde.proof import prove
 from isograde.report import comparison, record, words
 from isograde.runner import BAD, NothingToRun, Options, plan, processors
 from isograde.variants import pose
@@ -301,26 +300,6 @@ def frequencies_(
     console.print(table, end="", markup=False)
 
 
-@app.command(name="prove")
-def prove_(
-    rule: Annotated[str, typer.Argument(metavar="RULE", help="A cube rule of the reference.")],
-    why: Annotated[bool, typer.Option("--why", help="Also print the argument.")] = False,
-    shown: Annotated[int, typer.Option("--shown", help="How many tears to list.")] = 8,
-) -> None:
-    """Prove that a cube rule is closed, oriented and manifold on every field, or show where not.
-
-    Enumerates all its tiles and all pairs that can meet at a face. Exit 0 proved, 1 not.
-    """
-    if rule not in RULES:
-        stop(Exit.WRONG_USE, f"no cube rule {rule!r}; there are {', '.join(sorted(RULES))}")
-    if why:
-        console.print(inspect.getdoc(proof), markup=False)
-        console.print()
-    found = proof.prove(RULES[rule])
-    console.print(found.text(shown), markup=False, soft_wrap=True)
-    raise typer.Exit(Exit.HOLDS if found.holds else Exit.FAILS)
-
-
 @app.command()
 def explain(
     claim: Annotated[str, typer.Argument(metavar="CLAIM", help="An id, or a family of them.")],
@@ -465,15 +444,19 @@ def extract(
 @app.command(name="prove")
 def prove_(
     rule: Annotated[str, typer.Argument(metavar="RULE", help=f"{', '.join(RULES)}.")],
+    why: Annotated[bool, typer.Option("--why", help="Also print the argument.")] = False,
+    shown: Annotated[int, typer.Option(help="How many pairs that tear to list.")] = 8,
 ) -> None:
     """Prove by enumeration that a rule of isoref is closed and manifold on every field."""
     if rule not in RULES:
         close = difflib.get_close_matches(rule, RULES, n=1)
         hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(RULES)}"
         stop(Exit.WRONG_USE, f"no rule {rule!r}; {hint}")
-    proof = prove(RULES[rule])
-    console.print(proof.text(), markup=False, soft_wrap=True)
-    raise typer.Exit(Exit.HOLDS if proof.holds else Exit.FAILS)
+    if why:
+        console.print(inspect.getdoc(proof), end="\n\n", markup=False)
+    found = proof.prove(RULES[rule])
+    console.print(found.text(shown), markup=False, soft_wrap=True)
+    raise typer.Exit(Exit.HOLDS if found.holds else Exit.FAILS)
 
 
 def _volume(name: str) -> Field:

@@ -83,7 +83,7 @@ class Declaration:
     conventions: Conventions = Conventions()
     discipline: str = "surfaces"
     # Properties it does not promise, each named by a claim's `unless`: "welded" (faces share
-    # vertices), "spacing", "on-edges", "linear-crossing", "symmetric-choices", ..
+    # vertices), "manifold", "spacing", "on-edges", "linear-crossing", "symmetric-choices", ..
     without: frozenset[str] = frozenset()
     notes: str = ""
     # How it resolves every ambiguous face, where it promises that: "disconnect" the inside

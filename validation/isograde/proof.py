@@ -162,8 +162,8 @@ class Proof:
         lines = [enumerated, "Not proved."]
         if self.tears:
             lines.append(
-                f"{len(self.tears)} pairs of cells tear at the face they share (a cell is its eight "
-                "signs, corner 7 first; places on the face in half steps):"
+                f"{len(self.tears)} pairs of cells tear at the face they share (a cell is its "
+                "eight signs, corner 7 first; places on the face in half steps):"
             )
             lines += [f"  {tear}" for tear in self.tears[:shown]]
         lines += [f"  {fault}" for fault in self.faults[:shown]]

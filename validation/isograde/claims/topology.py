@@ -30,6 +30,7 @@ from isograde.truths.bilinear import saddles
 from isograde.truths.winding import TooWideError
 
 WELDED = frozenset({"welded"})
+MANIFOLD = frozenset({"welded", "manifold"})
 HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
 NIELSON = "Nielson & Hamann 1991, section 1 and Figure 3: the holes of the marching cubes method"
 
@@ -181,7 +182,9 @@ def bilinear(trial: Trial) -> Finding:
     )
 
 
-def _claim(name: str, rule: str, source: str, judge: Judge, welded: bool = True) -> Claim:
+def _claim(
+    name: str, rule: str, source: str, judge: Judge, unless: frozenset[str] = WELDED
+) -> Claim:
     """A claim of this family: level 1, vertices as given."""
     return Claim(
         id=f"topology.{name}",
@@ -189,7 +192,7 @@ def _claim(name: str, rule: str, source: str, judge: Judge, welded: bool = True)
         source=source,
         level=1,
         judge=on_triangles(judge),
-        unless=WELDED if welded else frozenset(),
+        unless=unless,
     )
 
 
@@ -201,12 +204,19 @@ CLAIMS = (
         NIELSON,
         closed,
     ),
-    _claim("edge_manifold", "No edge belongs to more than two faces.", HATCHER, edge_manifold),
+    _claim(
+        "edge_manifold",
+        "No edge belongs to more than two faces.",
+        HATCHER,
+        edge_manifold,
+        unless=MANIFOLD,
+    ),
     _claim(
         "vertex_manifold",
         "The faces round every vertex are one fan: no two sheets meet in a point.",
         HATCHER,
         vertex_manifold,
+        unless=MANIFOLD,
     ),
     _claim(
         "oriented",
@@ -220,14 +230,14 @@ CLAIMS = (
         "sides and not at all between others; samples the mesh touches are bridged.",
         "Lorensen & Cline 1987: the surface separates samples above from samples below",
         separates,
-        welded=False,
+        unless=frozenset(),
     ),
     _claim(
         "facing",
         "Right-hand normals point the declared way wherever the mesh passes between two samples.",
         "isograde design: from inside to outside, from high to low, unless declared",
         facing,
-        welded=False,
+        unless=frozenset(),
     ),
     Claim(
         id="topology.bilinear",

@@ -1,0 +1,74 @@
+"""Index coordinates, sides and ties, by hand and on random fields."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from isograde.truths.lattice import FAR, Lattice, crossing_share
+from isoref.field import Field
+
+
+def line(*values: float) -> Lattice:
+    """A field that varies along its first axis only."""
+    samples = np.repeat(np.array(values)[:, None, None], 2, axis=1)
+    return Lattice.of(Field.of(np.repeat(samples, 2, axis=2)), 0.0)
+
+
+def test_a_tie_is_on_the_declared_side() -> None:
+    """A sample equal to the isovalue is inside, unless declared outside."""
+    field = Field.of(np.zeros((2, 2, 2)))
+    assert Lattice.of(field, 0.0).inside.all()
+    assert not Lattice.of(field, 0.0, "outside").inside.any()
+
+
+def test_a_sample_is_tied_where_the_surface_comes_to_stand_on_it() -> None:
+    """Equal to the isovalue, or so near that a vertex there is not told from the sample."""
+    assert line(1.0, 0.0, -1.0).tied[:, 0, 0].tolist() == [False, True, False]
+    assert line(1.0, 1e-9, -1.0).tied[:, 0, 0].tolist() == [False, True, False]
+    assert line(1e-9, 1e-9, -1e-9).tied[:, 0, 0].tolist() == [False, False, False]
+    assert line(1.0, -1e-9).tied[:, 0, 0].tolist() == [False, True]
+    assert not line(1.0, 0.01, -1.0).tied.any()
+
+
+@given(st.integers(0, 10_000))
+def test_ties_are_where_the_linear_crossing_is_at_a_sample(seed: int) -> None:
+    """One lattice edge at a time, in plain words."""
+    rng = np.random.default_rng(seed)
+    values = rng.choice([-1.0, -1e-8, 0.0, 1e-7, 1.0, 3.0], (3, 4, 3))
+    lattice = Lattice.of(Field.of(values), 0.0)
+    tied = values == 0
+    for axis in range(3):
+        for at in np.ndindex(*(n - (a == axis) for a, n in enumerate(values.shape))):
+            to = tuple(i + (a == axis) for a, i in enumerate(at))
+            low, high = values[at], values[to]
+            if (low >= 0) != (high >= 0):
+                share = low / (low - high)
+                tied[at] |= share <= lattice.tolerance
+                tied[to] |= share >= 1 - lattice.tolerance
+    assert np.array_equal(lattice.tied, tied)
+
+
+def test_index_coordinates_undo_spacing_and_origin() -> None:
+    """And what is at the border to within single precision is on it."""
+    field = Field.of(np.zeros((4, 5, 6)), (0.5, 2.0, 3.0), (10.0, -20.0, 30.0))
+    lattice = Lattice.of(field, 0.0)
+    index = np.array([[0.0, 1.25, 5.0], [1.5, 4.0, 2.0]])
+    single = field.position(index).astype(np.float32).astype(float)
+    assert lattice.index(single) == pytest.approx(index, abs=lattice.tolerance)
+    noisy = lattice.index(field.position(index) + 1e-7)
+    assert noisy[0, 0] == 0.0
+    assert noisy[1, 1] == 4.0
+    assert lattice.index(np.array([[1e300, -1e300, 0.0]])).tolist()[0][:2] == [FAR, -FAR]
+
+
+def test_an_edge_is_on_the_border_when_one_side_holds_both_ends() -> None:
+    """Two ends on two sides of the volume are not enough."""
+    lattice = Lattice.of(Field.of(np.zeros((3, 3, 3))), 0.0)
+    places = np.array([[0.0, 0.5, 1], [0, 1, 1.5], [1, 0, 0.5], [2, 1.5, 1]])
+    ends = np.array([[0, 1], [1, 2], [0, 3]])
+    assert lattice.on_border(places, ends).tolist() == [True, False, False]
+
+
+def test_the_crossing_share_is_linear() -> None:
+    """From low to high, whichever is larger."""
+    assert crossing_share(np.array([0.0, 1.0]), np.array([1.0, 0.0]), 0.25).tolist() == [0.25, 0.75]
