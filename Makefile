@@ -25,7 +25,8 @@ $(STAMP): pyproject.toml constraints.txt
 	@touch $@
 
 grade: $(STAMP)
-	$(BIN)/isograde grade skimage:lewiner --out report
+	@# Status 1 says that claims fail: a finding, not an error of this command.
+	$(BIN)/isograde grade skimage:lewiner --out report || [ $$? -eq 1 ]
 
 test: $(STAMP)
 	$(BIN)/python -m pytest -n $(WORKERS)
@@ -42,7 +43,7 @@ papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
 reports: $(STAMP)
-	$(BIN)/isograde grade --all --out reports
+	$(BIN)/isograde grade --all --out reports || [ $$? -eq 1 ]
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
