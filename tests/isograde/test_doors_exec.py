@@ -141,6 +141,7 @@ def test_arrays_may_stand_in_npy_files_or_in_the_line(tmp_path: Path) -> None:
         ("echo oh no >&2; exit 3", Status.CRASH, "oh no"),
         ("kill -SEGV $$", Status.CRASH, "SIGSEGV"),
         ("sleep 60", Status.TIMEOUT, "0.5 s"),
+        ("echo stuck >&2; sleep 60", Status.TIMEOUT, "stuck"),
         ("exec cat /dev/zero", Status.GARBAGE, "line"),
         ("yes progress", Status.GARBAGE, "progress"),
         ("echo 50 % done", Status.GARBAGE, "50 % done"),

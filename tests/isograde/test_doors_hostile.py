@@ -132,3 +132,26 @@ def test_writing_into_the_input_is_noticed() -> None:
 def test_what_cannot_be_loaded_is_said_at_the_door(spec: str, words: str) -> None:
     with pytest.raises(DoorError, match=words):
         open_door(spec).open(Limits())
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (
+            'raise ImportError("libGL.so.1: cannot open shared object file: No such file")',
+            "libGL.so.1 is missing: install it .*apt-get install libgl1",
+        ),
+        ('raise ImportError("libodd-2.so.7: cannot open shared object file")', "libodd-2.so.7"),
+        ("raise ModuleNotFoundError(\"No module named 'mcubes'\")", "pip install PyMCubes"),
+        ("import os; os.abort()", "did not start: killed by SIGABRT"),
+        ("raise SystemExit(7)", "exited with status 7"),
+    ],
+)
+def test_a_library_that_does_not_load_is_named_with_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, words: str
+) -> None:
+    """A bare server lacks libraries that wheels do not bring, such as OpenGL."""
+    (tmp_path / "mcubes.py").write_text(line)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DoorError, match=words):
+        open_door("pymcubes").open(Limits())

@@ -183,7 +183,8 @@ class Child:
         poll.register(descriptor, event)
         while not poll.poll(1000 * max(0.0, min(TICK, self._deadline - time.monotonic()))):
             if time.monotonic() >= self._deadline:
-                raise Ended(Status.TIMEOUT, f"no answer within {self._limits.seconds:g} s")
+                late = f"no answer within {self._limits.seconds:g} s"
+                raise Ended(Status.TIMEOUT, self._with_last_words(late))
             self._check_memory()
             self._trim_logs()
             self._ticks += 1
@@ -218,8 +219,12 @@ class Child:
         except subprocess.TimeoutExpired:
             return Ended(Status.CRASH, "it closed the pipe to the grader")
         how = f"exited with status {code}" if code >= 0 else f"killed by {_signal_name(-code)}"
+        return Ended(Status.CRASH, self._with_last_words(how))
+
+    def _with_last_words(self, how: str) -> str:
+        """How it ended, with the end of what it said on stderr."""
         said = self.said()
-        return Ended(Status.CRASH, f"{how}; last words: {said}" if said else how)
+        return f"{how}; last words: {said}" if said else how
 
 
 def _widen(*pipes: int) -> None:

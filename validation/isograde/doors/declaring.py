@@ -11,7 +11,17 @@ house's: level 2, the conventions of `isograde.model.Conventions`, nothing withh
 
 ``connectivity`` ("disconnect", "connect" or "mixed") promises how every ambiguous face is resolved.
 ``without`` names properties the implementation does not promise; a claim about one of them is
-unsupported, neither held against it nor counted for it. `isograde list claims` names them.
+unsupported, neither held against it nor counted for it:
+
+welded              faces share their vertices
+manifold            one sheet of faces round each edge and each vertex
+separates           samples on different sides are on different sides of the mesh
+border              the surface stays in the volume, and is open only where it leaves it
+on-edges            vertices stand on crossed lattice edges, or inside cells that are crossed
+linear-crossing     on a lattice edge, they stand where the linear interpolant crosses
+spacing, layout, dtype      how the field is presented does not matter
+symmetric-choices   ambiguous faces are decided alike wherever the cell stands
+deterministic       the same question has the same answer
 """
 
 from __future__ import annotations
