@@ -289,14 +289,14 @@ def diconex_plainly(
     active = {pixel for pixel, x in grey.items() if x >= isovalue}
     waiting = {(v, r) for v in active for r in range(4) if _neighbour(v, r) not in active}
     contours = []
-    while waiting:
-        vector = min(waiting)
+    for vector in sorted(waiting):
         contour = []
         while vector in waiting:
             waiting.remove(vector)
             contour.append(vector)
             vector = _successor(vector, active, grey, isovalue, mode)
-        contours.append(contour)
+        if contour:
+            contours.append(contour)
     return contours
 
 

@@ -451,8 +451,7 @@ def cycles_plainly(
         if _neighbour(v, r) not in active
     }  # fmt: skip
     cycles = []
-    while waiting:
-        path = min(waiting)
+    for path in sorted(waiting):
         cycle = []
         while path in waiting:
             waiting.remove(path)
@@ -460,7 +459,8 @@ def cycles_plainly(
             cycle.append((v, r))
             v, r, juncture = _over(v, r, int(JUNCTURES[r, k]), active, grey, isovalue, mode)
             path = (v, r, int(RANK[r, juncture] - 1) % 4)
-        cycles.append(cycle)
+        if cycle:
+            cycles.append(cycle)
     return cycles
 
 
