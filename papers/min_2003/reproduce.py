@@ -273,8 +273,8 @@ def table_6(sizes: list[int], dyadic: list[Any], paper: dict[int, Any]) -> Itera
         "A segment takes 24 bytes, two points of three 4-byte numbers: so the curve of N = 256 is"
         " the paper's to the byte. Our bytes of phi count 16 for each distinct corner of a box of"
         " the tree, with the paper's bound. How the paper's tree is stored is not told; its sizes"
-        " are 72 + 192 k, 24 bytes for each of the 8 parts of a box. Our times at small N are the fixed cost of NumPy calls, so"
-        " the exponent is fitted where work outweighs them.\n"
+        " are 72 + 192 k, 24 bytes for each of the 8 parts of a box. Our times at small N are the"
+        " fixed cost of NumPy calls, so the exponent is fitted where work outweighs them.\n"
     )
 
 

@@ -137,7 +137,7 @@ def _samples(view: View, values: Floats, inside: Booleans) -> Iterator[Part]:
         svg = f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="{radius}">'
         svg += f"<title>{told}</title></circle>"
         if values.size <= LABELLED:
-            svg += _value(x, y, values[index])
+            svg += _value(x, y, float(values[index]))
         yield Part(float(depth) + 1e-3, svg)
 
 
