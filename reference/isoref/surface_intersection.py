@@ -154,10 +154,13 @@ def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segme
     tests = len(i)
     a, b = (s.mesh.vertices[s.mesh.simplices[t]] for s, t in ((first, i), (second, j)))
     # Keep pairs of which each triangle has corners on both sides of the other's plane.
-    signs_a, signs_b = signs_beside(b, a), signs_beside(a, b)
-    alive = np.flatnonzero(_mixed(signs_a > 0) & _mixed(signs_b > 0))
-    i, j, a, b = i[alive], j[alive], a[alive], b[alive]
-    signs_a, signs_b = signs_a[alive], signs_b[alive]
+    signs_a = signs_beside(b, a)
+    alive = np.flatnonzero(_mixed(signs_a > 0))
+    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
+    signs_b = signs_beside(a, b)
+    alive = np.flatnonzero(_mixed(signs_b > 0))
+    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
+    signs_b = signs_b[alive]
     entry_a, exit_a = _passages(signs_a > 0)
     exit_b, entry_b = _passages(signs_b > 0)
 
