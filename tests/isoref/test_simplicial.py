@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from isograde.truths import simplices as truth
 from isoref import Field, FieldError, Mesh
 from isoref.kuhn import interpolate, lattice_simplices
+from isoref.marching_faces import intersection_curves
 from isoref.simplex_section import RULES
 from isoref.simplicial import extract, extract_plain, gradients, section_of_field, weld
 from scipy.spatial import cKDTree
@@ -147,6 +148,27 @@ def test_it_is_marching_tetrahedra_for_a_scalar_field_in_space() -> None:
     area = truth.measures(np.asarray(peer.points, float), faces).sum()
     assert truth.measures(mesh.vertices, mesh.simplices).sum() == pytest.approx(area, rel=1e-5)
     assert truth.euler_characteristic(mesh.simplices) == truth.euler_characteristic(faces)
+
+
+def test_it_follows_the_curves_of_marching_faces_for_two_fields_in_space() -> None:
+    """N = 3, m = 2, against Ljung and Ynnerman's curves: one length, one place, to O(h^2)."""
+    pair = (sphere, lambda x, y, z: z - 0.4 * x - 0.2 * y + 0.1)
+    apart, differences = [], []
+    for N in (12, 23):
+        field = sampled(3, N, 1.4, *pair)
+        mesh = extract(field)
+        fields = [Field.of(v, field.spacing, field.origin) for v in field.values]
+        curves = intersection_curves(fields[0], fields[1], (0.0, 0.0))
+        assert len(curves) == truth.components(mesh.simplices) == 1
+        assert curves[0].closed
+        points = curves[0].polyline
+        fine = np.concatenate([points[:-1] + t * np.diff(points, axis=0) for t in (0, 0.25, 0.5)])
+        near, _ = cKDTree(fine).query(mesh.vertices)
+        apart.append(np.max(near) / (2.8 / (N - 1)))
+        length = truth.measures(mesh.vertices, mesh.simplices).sum()
+        differences.append(abs(length - curves[0].length))
+    assert max(apart) < 0.35
+    assert differences[1] < 0.5 * differences[0]
 
 
 def sphere(*x: Any) -> Any:
