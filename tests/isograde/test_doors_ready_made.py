@@ -5,6 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 import pytest
+from isograde.claims import CLAIMS
 from isograde.doors import open_door
 from isograde.doors.measure import ball, measure
 from isograde.doors.python import PythonDoor
@@ -52,6 +53,12 @@ def test_conventions_are_declared_as_measured(door: PythonDoor) -> None:
     measured = measure(lambda f, level: door.answer(Request("test", "plain", f, level)))
     assert None not in vars(measured).values()
     assert measured.differences(door.declaration.conventions) == []
+
+
+def test_whatever_is_not_promised_is_named_by_a_claim() -> None:
+    """A misspelt word would excuse nothing."""
+    named = {word for claim in CLAIMS.values() for word in claim.unless}
+    assert {word for ready in READY_MADE.values() for word in ready.without} <= named
 
 
 def test_the_version_of_the_library_is_declared(door: PythonDoor) -> None:

@@ -165,7 +165,7 @@ CLAIMS = (
         source="Lorensen & Cline 1987, step 5; Nielson & Hamann 1991, section 3 (inner vertices)",
         level=2,
         judge=on_triangles(on_edges),
-        unless=frozenset({"on-edges"}),
+        unless=frozenset({"on-edges", "border"}),
     ),
     Claim(
         id="geometry.linear_crossing",

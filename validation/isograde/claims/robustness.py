@@ -210,6 +210,7 @@ CLAIMS = (
         out_of_range,
         level=None,
         variants=("above", "below"),
+        unless=frozenset({"border"}),
         needs_mesh=False,
     ),
     _claim(

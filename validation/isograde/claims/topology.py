@@ -31,6 +31,7 @@ from isograde.truths.winding import TooWideError
 
 WELDED = frozenset({"welded"})
 MANIFOLD = frozenset({"welded", "manifold"})
+SEPARATES = frozenset({"separates"})
 HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
 NIELSON = "Nielson & Hamann 1991, section 1 and Figure 3: the holes of the marching cubes method"
 
@@ -203,6 +204,7 @@ CLAIMS = (
         "even number of faces.",
         NIELSON,
         closed,
+        unless=WELDED | {"closed"},
     ),
     _claim(
         "edge_manifold",
@@ -230,14 +232,14 @@ CLAIMS = (
         "sides and not at all between others; samples the mesh touches are bridged.",
         "Lorensen & Cline 1987: the surface separates samples above from samples below",
         separates,
-        unless=frozenset(),
+        unless=SEPARATES,
     ),
     _claim(
         "facing",
         "Right-hand normals point the declared way wherever the mesh passes between two samples.",
         "isograde design: from inside to outside, from high to low, unless declared",
         facing,
-        unless=frozenset(),
+        unless=SEPARATES,
     ),
     Claim(
         id="topology.bilinear",

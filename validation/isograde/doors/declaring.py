@@ -16,7 +16,8 @@ unsupported, neither held against it nor counted for it:
 welded              faces share their vertices
 manifold            one sheet of faces round each edge and each vertex
 separates           samples on different sides are on different sides of the mesh
-border              the surface stays in the volume, and is open only where it leaves it
+closed              the surface is open at the border of the volume only
+border              the surface stays in the volume, and is not closed at its border
 on-edges            vertices stand on crossed lattice edges, or inside cells that are crossed
 linear-crossing     on a lattice edge, they stand where the linear interpolant crosses
 spacing, layout, dtype      how the field is presented does not matter

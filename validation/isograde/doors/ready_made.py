@@ -273,7 +273,7 @@ def _connectivity(name: str) -> str:
 # What is not promised where samples are given as inside or outside, with no values; where
 # vertices stand in cells; where the surface is sampled on another grid than ours.
 _LABELS = frozenset({"linear-crossing"})
-_DUAL = frozenset({"on-edges", "linear-crossing", "manifold", "border"})
+_DUAL = frozenset({"on-edges", "linear-crossing", "manifold", "closed", "border"})
 _OWN_GRID = frozenset({"on-edges", "linear-crossing", "separates", "border"})
 
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
