@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 import trimesh
 from isograde.command import app
@@ -198,6 +200,27 @@ def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> Non
     assert "report.html" in done.stdout
     last = (tmp_path / "report.jsonl").read_text(encoding="utf-8").splitlines()[-1]
     assert json.loads(last)["cases"] == 16
+
+
+@pytest.mark.slow
+def test_no_process_outlives_a_run_that_is_killed(tmp_path: Path) -> None:
+    """Killed in the middle, it leaves its lines without a footer, and no children."""
+    command = [sys.executable, "-m", "isograde.command", "grade", "isoref:asymptotic-decider"]
+    options = ["--only", "pairs/*", "--full", "--jobs", "2", "--out", str(tmp_path)]
+    running = psutil.Popen([*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    with running:
+        lines = tmp_path / "report.jsonl"
+        deadline = time.monotonic() + 90
+        while not (lines.exists() and '"result"' in lines.read_text(encoding="utf-8")):
+            assert time.monotonic() < deadline, "nothing was judged"
+            time.sleep(0.1)
+        family = running.children(recursive=True)
+        running.kill()
+        running.wait()
+    assert len(family) >= 4
+    _, alive = psutil.wait_procs(family, timeout=20)
+    assert not alive
+    assert record.read(lines).footer is None
 
 
 def test_check_tells_what_a_door_does_and_why_another_does_not_open() -> None:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -272,7 +273,16 @@ _WORKERS: list[Worker] = []
 
 def _start(spec: str, options: Options) -> None:
     """The worker of this process is open."""
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
     _WORKERS[:] = [Worker.open(spec, options)]
+
+
+def _leave_with_parent() -> None:
+    """The process ends when the one that started it does, however that ended."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _judge_all(tasks: Sequence[Task]) -> list[Judged]:
