@@ -1,6 +1,7 @@
 """The discipline of curves: right answers pass, and each claim has a fault that it catches."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import isoref.marching_faces
@@ -83,6 +84,32 @@ def test_the_reference_passes_everything_through_a_real_door(name: str) -> None:
         door.close()
     assert {claim for _, claim, _ in findings} == {claim.id for claim in CLAIMS}
     assert [f for f in findings if f[2].verdict != "pass"] == []
+
+
+MINE = """
+declaration = {"name": "mine", "discipline": "curves"}
+
+def extract_curves(values_a, values_b, isovalue_a, isovalue_b, spacing):
+    from isoref.field import Field
+    from isoref.marching_faces import intersection_curves
+    fields = Field.of(values_a, spacing), Field.of(values_b, spacing)
+    return [c.polyline for c in intersection_curves(*fields, (isovalue_a, isovalue_b))]
+"""
+
+
+def test_a_third_party_s_function_is_graded_as_it_stands(tmp_path: Path) -> None:
+    """The signature of the discipline, a declaration, and nothing else."""
+    (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
+    door = open_door(f"python:{tmp_path / 'mine.py'}:extract_curves")
+    declaration = door.open(Limits())
+    asked = [case for case in cases() if case.id in ("curves/two-isovalues", "curves/apart")]
+    try:
+        findings = list(grade(door, declaration, asked))
+    finally:
+        door.close()
+    assert declaration.name == "mine"
+    assert len(findings) > 5
+    assert {finding.verdict for *_, finding in findings} == {"pass"}
 
 
 def test_vtk_is_graded_as_a_peer() -> None:

@@ -8,10 +8,9 @@ values      two arrays of one shape (N1, N2, N3)
 spacing     three floats; a point is ``index * spacing``, in the order of the arrays' axes
 answer      one array a curve, its points in order; a closed curve repeats its first point
 
-It goes through the doors like any other: `through_door` makes of it a function of one array (the
-two fields stacked) that answers with arrays of points and curve numbers::
-
-    extract = through_door(extract_curves)          # then: python:my.module:extract
+It goes through the doors like any other: declare ``{"discipline": "curves"}`` and name it
+``python:my.module:extract_curves``. Inside, `through_door` makes of it a function of one array (the
+fields stacked) that answers with arrays of points and curve numbers.
 
 Glossary
 --------
@@ -87,6 +86,7 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
         owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
         return np.concatenate([*parts, np.empty((0, 3))]), owner[:, None].astype(np.int64)
 
+    extract.stacked = True  # type: ignore[attr-defined]
     extract.declaration = {  # type: ignore[attr-defined]
         "name": getattr(function, "__name__", "curves"),
         "discipline": "curves",

@@ -15,6 +15,8 @@ Name it ``python:package.module:function`` or ``python:path/to/file.py:function`
 It may say what it is in a declaration (`isograde.doors.declaring`): a dictionary, or a function
 without parameters that returns one, found as an attribute ``declaration`` of the function, or
 else under the name ``declaration`` in its module. To decline a field, raise `NotImplementedError`.
+With ``{"discipline": "curves"}`` the function has that discipline's own signature
+(`isograde.disciplines.curves`).
 """
 
 from __future__ import annotations
@@ -108,7 +110,18 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
         raise DoorError(
             f"{spec}: its declaration raised {type(error).__name__}: {error}"
         ) from error
-    return function, declaration_from(said, spec)
+    declaration = declaration_from(said, spec)
+    return _as_called(function, declaration), declaration
+
+
+def _as_called(function: Any, declaration: Declaration) -> Extract:
+    """The function as the worker calls it, whatever the signature of its discipline."""
+    if declaration.discipline == "curves" and not getattr(function, "stacked", False):
+        from isograde.disciplines.curves import through_door
+
+        return through_door(function)
+    extract: Extract = function
+    return extract
 
 
 def _module(place: str) -> ModuleType:
