@@ -13,7 +13,7 @@ from isoref.field import Field
 
 from isograde import variants
 from isograde.claims import CLAIMS
-from isograde.disciplines import contours, curves
+from isograde.disciplines import contours, curves, simplicial
 from isograde.fields import all_cases
 from isograde.model import Case, Claim, DoorError
 
@@ -49,6 +49,11 @@ def _pose_contours(variant: str, case: Case, field: Field) -> tuple[Field, float
     return contours.pose(variant, field), case.isovalue
 
 
+def _pose_simplices(variant: str, case: Case, field: Field) -> tuple[Field, float]:
+    """The variant of a case of the discipline `simplices`."""
+    return simplicial.pose(variant, case, field), case.isovalue
+
+
 @cache
 def _contours(seed: int) -> dict[str, Case]:
     """The cases of the discipline `contours` by id."""
@@ -61,17 +66,30 @@ def _curves(seed: int) -> dict[str, Case]:
     return {case.id: case for case in curves.cases(seed)}
 
 
+@cache
+def _simplices(seed: int) -> dict[str, Case]:
+    """The cases of the discipline `simplices` by id."""
+    return {case.id: case for case in simplicial.cases(seed)}
+
+
 DISCIPLINES: dict[str, Discipline] = {
     "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces),
     "contours": Discipline(
         _contours, {claim.id: claim for claim in contours.CLAIMS}, _pose_contours
     ),
     "curves": Discipline(_curves, {claim.id: claim for claim in curves.CLAIMS}, _pose_curves),
+    "simplices": Discipline(
+        _simplices, {claim.id: claim for claim in simplicial.CLAIMS}, _pose_simplices
+    ),
 }
 ALL_CLAIMS: dict[str, Claim] = {
     name: claim for one in DISCIPLINES.values() for name, claim in one.claims.items()
 }
-READY_MADE: dict[str, str] = {**contours.READY_MADE, **curves.READY_MADE}
+READY_MADE: dict[str, str] = {
+    **contours.READY_MADE,
+    **curves.READY_MADE,
+    **simplicial.READY_MADE,
+}
 
 
 def discipline(name: str) -> Discipline:
