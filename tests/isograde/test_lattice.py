@@ -34,7 +34,7 @@ def test_a_sample_is_tied_where_the_surface_comes_to_stand_on_it() -> None:
 def test_ties_are_where_the_linear_crossing_is_at_a_sample(seed: int) -> None:
     """One lattice edge at a time, in plain words."""
     rng = np.random.default_rng(seed)
-    values = rng.choice([-1.0, -1e-8, 0.0, 1e-7, 1.0, 3.0], (3, 4, 3))
+    values = rng.choice([-1.0, -1e-8, 0.0, 1e-7, 1e-5, 1.0, 3.0], (3, 4, 3))
     lattice = Lattice.of(Field.of(values), 0.0)
     tied = values == 0
     for axis in range(3):
@@ -43,8 +43,8 @@ def test_ties_are_where_the_linear_crossing_is_at_a_sample(seed: int) -> None:
             low, high = values[at], values[to]
             if (low >= 0) != (high >= 0):
                 share = low / (low - high)
-                tied[at] |= share <= lattice.tolerance
-                tied[to] |= share >= 1 - lattice.tolerance
+                tied[at] |= share <= lattice.reach
+                tied[to] |= share >= 1 - lattice.reach
     assert np.array_equal(lattice.tied, tied)
 
 

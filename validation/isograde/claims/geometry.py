@@ -144,7 +144,9 @@ def linear_crossing(trial: Trial) -> Finding:
     size = np.maximum(np.maximum(np.abs(values[0]), np.abs(values[1])), abs(lattice.isovalue))
     slack = lattice.tolerance + 8 * SINGLE * size / np.abs(values[1] - values[0])
     error = np.abs(found - share)
+    # Inner vertices of a cell with tied corners may come to stand on one of its edges.
     bad = np.concatenate([astray, edge[error > slack]])
+    bad = bad[~_beside_tie(lattice, at.places[bad])]
     if not len(bad):
         return passed(vertices=len(edge), largest_error=float(error.max()) if len(edge) else 0.0)
     first = int(bad[0])

@@ -13,7 +13,9 @@ tied        a sample that stands on the surface to within the tolerance: its val
 border      the boundary of the volume
 
 The tolerance is a length in units of the spacing. It allows for vertices kept in single
-precision, whose error grows with their distance from the zero of the coordinates.
+precision, whose error grows with their distance from the zero of the coordinates. A sample is tied
+from `ROOM` tolerances on, so that near any other sample an inner vertex, in the middle of as many as
+twelve others, is still told from one on a lattice edge.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ import numpy as np
 from isoref.field import Array, Booleans, Field, Floats, Integers
 
 FAR = 1e9
+ROOM = 16
 SINGLE = float(np.finfo(np.float32).eps)
 
 
@@ -56,8 +59,13 @@ class Lattice:
     @cached_property
     def tolerance(self) -> float:
         """Distance, in units of the spacing, below which two places are one."""
-        reach = np.abs(np.divide(self.field.origin, self.field.spacing)) + self.shape
-        return max(1e-6, 8 * SINGLE * float(reach.max()))
+        extent = np.abs(np.divide(self.field.origin, self.field.spacing)) + self.shape
+        return max(1e-6, 8 * SINGLE * float(extent.max()))
+
+    @property
+    def reach(self) -> float:
+        """Distance, in units of the spacing, from which a crossing ties the sample."""
+        return ROOM * self.tolerance
 
     def index(self, points: Floats) -> Floats:
         """Index coordinates of world positions; those at the border stand on it exactly.
@@ -89,15 +97,15 @@ class Lattice:
             share = crossing_share(
                 self.field.values[low][where], self.field.values[high][where], self.isovalue
             )
-            tied[low][tuple(w[share <= self.tolerance] for w in where)] = True
-            tied[high][tuple(w[share >= 1 - self.tolerance] for w in where)] = True
+            tied[low][tuple(w[share <= self.reach] for w in where)] = True
+            tied[high][tuple(w[share >= 1 - self.reach] for w in where)] = True
         return tied
 
     def at_tie(self, places: Floats) -> Booleans:
         """(n,) the place is a tied sample."""
         nearest = np.rint(places)
         last = np.subtract(self.shape, 1)
-        at = (np.abs(places - nearest) <= self.tolerance).all(axis=1)
+        at = (np.abs(places - nearest) <= self.reach).all(axis=1)
         i, j, k = np.clip(nearest, 0, last).astype(np.int64).T
         return np.asarray(at & self.tied[i, j, k])
 
