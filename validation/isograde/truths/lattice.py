@@ -14,8 +14,8 @@ border      the boundary of the volume
 
 The tolerance is a length in units of the spacing. It allows for vertices kept in single
 precision, whose error grows with their distance from the zero of the coordinates. A sample is tied
-from `ROOM` tolerances on, so that near any other sample an inner vertex, in the middle of as many as
-twelve others, is still told from one on a lattice edge.
+up to `ROOM` tolerances from a crossing, so that near any other sample an inner vertex, in the
+middle of as many as twelve others, is still told from one on a lattice edge.
 """
 
 from __future__ import annotations
