@@ -12,6 +12,7 @@ from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
 from isoref.field import Array, Field, Floats, Integers
 from isoref.rule import Rule, Tile
 from isoref.sweep import sweep
+from skimage.measure import marching_cubes
 
 
 def judged(rule: Rule, values: Array) -> list[Fault]:
@@ -113,6 +114,19 @@ def test_a_bubble_in_the_cell_changes_the_euler_characteristic() -> None:
     triangles = np.concatenate([mesh.simplices, bubble])
     index, corners = active_cells(values, 0.0)
     assert judge(vertices, triangles, index, cells(corners), (2, 2, 2)) == [Fault.EULER]
+
+
+def test_flat_triangles_on_two_faces_count_for_the_cell() -> None:
+    """Case 10.1.2 as scikit-image draws it: right for the cell, alone and amid others."""
+    cell = np.array([-2.0, 1, 5, -5, -3, 5, 1, -2]).reshape(2, 2, 2)
+    around = np.pad(cell, 1, constant_values=10.0)
+    index, corners = active_cells(around, 0.0)
+    vertices, faces = marching_cubes(around, 0.0)[:2]
+    flat = vertices[faces].astype(float)
+    assert (np.ptp(flat, axis=1) == 0).any()
+    found = judge(vertices.astype(float), faces.astype(int), index, cells(corners), around.shape)
+    at = index.tolist().index([1, 1, 1])
+    assert found[at] is Fault.NONE
 
 
 def test_single_precision_is_enough() -> None:

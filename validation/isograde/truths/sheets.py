@@ -6,8 +6,8 @@ truth by the crossed cell edges they meet: two crossed edges are on one sheet, o
 in the mesh exactly when they are in the trilinear level set.
 
 A triangle that lies in a face shared by two cells belongs to neither more than to the other. A
-mesh is read in three ways, with such *flat* triangles in the upper cell, in the lower, in none; a
-cell is right when one of the readings is.
+mesh is read in four ways, with such *flat* triangles in the upper cell, in the lower, in both, in
+none; a cell is right when one of the readings is.
 
 Glossary
 --------
@@ -32,7 +32,7 @@ from isoref.field import Booleans, Floats, Integers
 from isograde.truths.halfedges import components_of
 from isograde.truths.trilinear import EDGES, FACES, Truths
 
-Flats = Literal["upper", "lower", "none"]
+Flats = Literal["upper", "lower", "both", "none"]
 
 # Number of the cell edge at half steps (2 i0, 2 i1, 2 i2) with one odd entry, else -1.
 _EDGE_AT = np.full((3, 3, 3), -1)
@@ -75,12 +75,12 @@ def sheets(
     places: Floats, faces: Integers, index: Integers, shape: Sequence[int], flats: Flats = "upper"
 ) -> Sheets:
     """The surface in each of the cells `index` (n, 3), sorted, of a lattice of this shape."""
-    cell, kept = _cells(places, faces, shape, flats)
+    cell, which = _cells(places, faces, shape, flats)
     flat = np.ravel_multi_index(tuple(index.T), tuple(shape))
     row = np.searchsorted(flat, cell)
     known = row < len(flat)
     known[known] &= flat[row[known]] == cell[known]
-    triangles, row = faces[kept][known], row[known]
+    triangles, row = faces[which][known], row[known]
 
     # Give each cell its own copy of each vertex.
     keys, local = np.unique(row[:, None] * len(places) + triangles, return_inverse=True)
@@ -104,20 +104,27 @@ def sheets(
 
 def _cells(
     places: Floats, faces: Integers, shape: Sequence[int], flats: Flats
-) -> tuple[Integers, Booleans]:
-    """The flat index of each triangle's cell, and which triangles are kept."""
-    corners = places[faces]
+) -> tuple[Integers, Integers]:
+    """Pairs of a cell, by its flat index, and a triangle in it."""
     last = np.array(shape) - 2
-    cell = np.clip(np.floor(corners.mean(axis=1)).astype(np.int64), 0, last)
-    plane = np.rint(corners[:, 0])
+    cell = np.floor(places[faces].mean(axis=1)).astype(np.int64)
     flat = _flat(places, faces)
-    if flats != "none":
-        shifted = np.clip(plane - (flats == "lower"), 0, last).astype(np.int64)
-        cell = np.where(flat, shifted, cell)
-    kept: Booleans = np.ones(len(faces), bool)
-    if flats == "none":
-        kept = ~np.logical_or.reduce(flat, axis=1)
-    return np.asarray(np.ravel_multi_index(tuple(cell[kept].T), tuple(shape))), kept
+    plane = np.rint(places[faces[:, 0]]).astype(np.int64)
+    lower, upper = np.where(flat, plane - 1, cell), np.where(flat, plane, cell)
+    level = np.arange(len(faces))
+    single = ~np.logical_or.reduce(flat, axis=1)
+    chosen = {
+        "upper": [(upper, level)],
+        "lower": [(lower, level)],
+        "both": [(upper, level), (lower[~single], level[~single])],
+        "none": [(upper[single], level[single])],
+    }[flats]
+    cells = np.concatenate([np.clip(c, 0, last) for c, _ in chosen])
+    triangles = np.concatenate([t for _, t in chosen])
+    # On the skin of the lattice both sides are one cell: keep such a triangle once.
+    index = np.asarray(np.ravel_multi_index(tuple(cells.T), tuple(shape)))
+    pairs = np.unique(np.stack([triangles, index], axis=1), axis=0)
+    return pairs[:, 1], pairs[:, 0]
 
 
 def _flat(places: Floats, faces: Integers) -> Booleans:
@@ -223,7 +230,7 @@ def judge(
     Of the faults of several readings the last in order is named: the earlier ones it passed.
     """
     names = list(Fault)
-    readings: tuple[Flats, ...] = ("upper", "lower", "none")
+    readings: tuple[Flats, ...] = ("upper", "lower", "both", "none")
     if not _flat(places, faces).any():
         readings = ("upper",)
     found = np.array([faults(truths, sheets(places, faces, index, shape, r)) for r in readings])
