@@ -75,13 +75,18 @@ def closed() -> Answer:
     time.sleep(60)
 
 
-def unhinged() -> Answer:
-    """Nothing: writes to every descriptor it can find, the protocol's too."""
+def scribble() -> None:
+    """Write to every descriptor there may be, the protocol's too."""
     for descriptor in range(3, 16):
         try:
             os.write(descriptor, b"\x10\0\0\0 this is no frame, but as long as one")
         except OSError:
             continue
+
+
+def unhinged() -> Answer:
+    """Nothing: breaks the protocol, and goes on for ever."""
+    scribble()
     time.sleep(60)
 
 

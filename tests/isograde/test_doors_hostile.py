@@ -145,6 +145,10 @@ def test_what_cannot_be_loaded_is_said_at_the_door(spec: str, words: str) -> Non
         ("raise ModuleNotFoundError(\"No module named 'mcubes'\")", "pip install PyMCubes"),
         ("import os; os.abort()", "did not start: killed by SIGABRT"),
         ("raise SystemExit(7)", "exited with status 7"),
+        (
+            "import hostile; hostile.scribble()",
+            "its import wrote to the worker's pipe",
+        ),
     ],
 )
 def test_a_library_that_does_not_load_is_named_with_what_to_install(
@@ -153,5 +157,6 @@ def test_a_library_that_does_not_load_is_named_with_what_to_install(
     """A bare server lacks libraries that wheels do not bring, such as OpenGL."""
     (tmp_path / "mcubes.py").write_text(line)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(HOSTILE.parent)
     with pytest.raises(DoorError, match=words):
         open_door("pymcubes").open(Limits())

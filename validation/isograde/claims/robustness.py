@@ -231,5 +231,6 @@ CLAIMS = (
         judge=on_triangles(ties),
         weld="exact",
         tags=frozenset({"ties"}),
+        unless=frozenset({"closed", "separates"}),
     ),
 )

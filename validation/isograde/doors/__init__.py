@@ -50,5 +50,7 @@ def open_door(spec: str) -> Door:
     if kind == "dir" and rest:
         return DirectoryDoor(spec)
     close = difflib.get_close_matches(spec, READY_MADE, n=1)
-    hint = f"did you mean {close[0]}?" if close else "`isograde list implementations`"
+    hint = (
+        f"did you mean {close[0]}?" if close else "`isograde list implementations` shows the names"
+    )
     raise DoorError(f"no implementation {spec!r}; {hint}")

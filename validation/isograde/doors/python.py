@@ -39,7 +39,12 @@ class PythonDoor(ProcessDoor):
         answers = str(self._directory / "answer")
         path = [entry for entry in sys.path if entry]
         child.write(pack({"load": self.spec, "path": path, "files": answers}))
-        header, _ = unpack(child.read)
+        try:
+            header, _ = unpack(child.read)
+        except FrameError as error:
+            raise DoorError(
+                f"{self.spec}: its import wrote to the worker's pipe: {error}"
+            ) from error
         if "error" in header:
             raise DoorError(header["error"])
         return declaration_from(header["declaration"], self.spec)
