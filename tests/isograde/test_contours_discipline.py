@@ -1,5 +1,6 @@
 """The discipline of contours: right answers pass, and each claim has a fault that it catches."""
 
+import pathlib
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from isograde.disciplines import contours as discipline
 from isograde.disciplines.contours import CLAIMS, Extract, cases, grade
+from isograde.doors import contour_methods as methods
 from isograde.doors import open_door
 from isograde.doors.conventions import to_house
 from isograde.model import (
@@ -76,7 +78,7 @@ def faults(function: Extract, few: bool = False) -> set[str]:
     }
 
 
-mixed = discipline._reference("mixed")
+mixed = methods._reference("mixed")
 
 
 def changed(change: Callable[[Lines], Lines]) -> Extract:
@@ -87,13 +89,13 @@ def changed(change: Callable[[Lines], Lines]) -> Extract:
 @pytest.mark.parametrize("mode", ["disconnect", "connect", "mixed"])
 def test_the_reference_passes_all_but_the_bilinear_claim(mode: str) -> None:
     """Every mode is consistent; none asks for the saddle."""
-    assert faults(discipline._reference(mode)) == {"bilinear"}
+    assert faults(methods._reference(mode)) == {"bilinear"}
 
 
 @pytest.mark.parametrize("name", ["skimage_find_contours", "contourpy_serial"])
 def test_the_libraries_pass_all_but_the_bilinear_claim(name: str) -> None:
     """Right answers of other hands pass."""
-    assert faults(getattr(discipline, name)) == {"bilinear"}
+    assert faults(getattr(methods, name)) == {"bilinear"}
 
 
 def test_a_bilinear_decider_passes_everything() -> None:
@@ -153,7 +155,7 @@ FAULTY: dict[str, Extract] = {
     "legal": crossed_saddles,
     "one-rule": deciding(lambda square: bool(square[0, 0] > square[1, 1])),
     "transposed": deciding(lambda square: bool(square[0, 1] > square[1, 0])),
-    "bilinear": discipline._reference("disconnect"),
+    "bilinear": methods._reference("disconnect"),
     "on-edges": middles,
     "count": changed(lambda lines: [part for line in lines for part in (line[:4], line[3:])]),
     "area": changed(lambda lines: [1.02 * line for line in lines]),
@@ -210,6 +212,29 @@ def test_ready_made_implementations_start_behind_a_door(name: str) -> None:
     finally:
         door.close()
     assert declaration.discipline == "contours"
+    assert set(found) == {Verdict.PASS}
+
+
+MINE = """
+declaration = {"name": "mine", "discipline": "contours"}
+
+def extract_contours(values, isovalue, spacing):
+    from skimage.measure import find_contours
+    return [c * spacing for c in find_contours(values, isovalue, positive_orientation="high")]
+"""
+
+
+def test_a_third_party_s_function_is_graded_as_it_stands(tmp_path: pathlib.Path) -> None:
+    """The signature of the discipline, a declaration, and nothing else."""
+    (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
+    door = open_door(f"python:{tmp_path / 'mine.py'}:extract_contours")
+    try:
+        declaration = door.open(Limits())
+        asked = [case for case in cases() if case.id in ("contours/disc", "contours/constant")]
+        found = [finding.verdict for *_, finding in grade(door, declaration, asked)]
+    finally:
+        door.close()
+    assert declaration.name == "mine"
     assert set(found) == {Verdict.PASS}
 
 

@@ -9,10 +9,9 @@ spacing     two floats; a point is ``index * spacing``, in the order of the arra
 answer      one array a contour, its points in order; a closed contour repeats its first point;
             the inside, value >= isovalue, lies on the left when axis 0 points right and axis 1 up
 
-It goes through the doors like any other: `through_door` makes of it a function that answers with
-arrays of points and contour numbers::
-
-    extract = through_door(extract_contours)        # then: python:my.module:extract
+It goes through the doors like any other: declare ``{"discipline": "contours"}`` and name it
+``python:my.module:extract_contours``. Inside, `through_door` makes of it a function that answers
+with arrays of points and contour numbers.
 
 The four rules for an ambiguous square, whose inside corners are opposite ones: *separate* them,
 *join* them, join them where the *mean* of the four samples is inside (Schlei), or where the
@@ -76,6 +75,7 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
         owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
         return np.concatenate([*parts, np.empty((0, 2))]), owner[:, None].astype(np.int64)
 
+    extract.stacked = True  # type: ignore[attr-defined]
     extract.declaration = {  # type: ignore[attr-defined]
         "name": getattr(function, "__name__", "contours"),
         "discipline": "contours",
@@ -657,51 +657,8 @@ def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterat
             yield case.id, claim.id, claim.judge(trial)
 
 
-# --- ready-made implementations ------------------------------------------------------------------
-
-
-def _reference(mode: Any) -> Extract:
-    """DICONEX in this mode."""
-
-    def extract_contours(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Contours:
-        from isoref.diconex import diconex
-
-        return diconex(Field.of(values, spacing), isovalue, mode=mode).polygons()
-
-    extract_contours.__name__ = f"isoref:diconex-{mode}"
-    return extract_contours
-
-
-def skimage_find_contours(
-    values: Any, isovalue: float, spacing: tuple[float, ...]
-) -> list[NDArray[Any]]:
-    """`skimage.measure.find_contours`, told to keep high values on the left."""
-    from skimage.measure import find_contours
-
-    lines = find_contours(np.asarray(values), isovalue, positive_orientation="high")
-    return [line * spacing for line in lines]
-
-
-def contourpy_serial(
-    values: Any, isovalue: float, spacing: tuple[float, ...]
-) -> list[NDArray[Any]]:
-    """The lines of contourpy's default algorithm.
-
-    Its x is our second axis. To exchange the axes mirrors the plane, so lines are turned round.
-    """
-    from contourpy import contour_generator
-
-    lines: Any = contour_generator(z=np.asarray(values, np.float64)).lines(isovalue)
-    return [line[::-1, ::-1] * spacing for line in lines]
-
-
-diconex_disconnect = through_door(_reference("disconnect"))
-diconex_connect = through_door(_reference("connect"))
-diconex_mixed = through_door(_reference("mixed"))
-skimage = through_door(skimage_find_contours)
-contourpy = through_door(contourpy_serial)
-
+# Ready-made implementations, by short name.
 READY_MADE: Mapping[str, str] = {
-    f"contours:{name.replace('_', '-')}": f"python:isograde.disciplines.contours:{name}"
+    f"contours:{name.replace('_', '-')}": f"python:isograde.doors.contour_methods:{name}"
     for name in ("diconex_disconnect", "diconex_connect", "diconex_mixed", "skimage", "contourpy")
 }

@@ -15,8 +15,8 @@ Name it ``python:package.module:function`` or ``python:path/to/file.py:function`
 It may say what it is in a declaration (`isograde.doors.declaring`): a dictionary, or a function
 without parameters that returns one, found as an attribute ``declaration`` of the function, or
 else under the name ``declaration`` in its module. To decline a field, raise `NotImplementedError`.
-With ``{"discipline": "curves"}`` the function has that discipline's own signature
-(`isograde.disciplines.curves`).
+With ``{"discipline": "curves"}`` or ``"contours"`` the function has that discipline's own signature
+(`isograde.disciplines`).
 """
 
 from __future__ import annotations
@@ -114,12 +114,16 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
     return _as_called(function, declaration), declaration
 
 
+# Disciplines whose functions have a signature of their own, adapted by their `through_door`.
+OWN_SIGNATURE = ("curves", "contours")
+
+
 def _as_called(function: Any, declaration: Declaration) -> Extract:
     """The function as the worker calls it, whatever the signature of its discipline."""
-    if declaration.discipline == "curves" and not getattr(function, "stacked", False):
-        from isograde.disciplines.curves import through_door
-
-        return through_door(function)
+    if declaration.discipline in OWN_SIGNATURE and not getattr(function, "stacked", False):
+        discipline = importlib.import_module(f"isograde.disciplines.{declaration.discipline}")
+        adapted: Extract = discipline.through_door(function)
+        return adapted
     extract: Extract = function
     return extract
 
