@@ -143,6 +143,21 @@ def contain(corners: Floats, points: Floats, slack: float = 1e-7) -> Booleans:
     return np.asarray(flat & (weights >= -slack).all(axis=1) & (weights.sum(axis=1) <= 1 + slack))
 
 
+def joined(vertices: Floats, simplices: Integers) -> tuple[Floats, Integers]:
+    """Vertices of equal coordinates made one, without the simplices that collapse by it.
+
+    What was closed before, counted by two, is closed after it.
+
+    >>> joined(np.array([[0.0], [1.0], [1.0]]), np.array([[0, 1], [1, 2]]))[1].tolist()
+    [[0, 1]]
+    """
+    distinct, where = np.unique(vertices, axis=0, return_inverse=True)
+    rows = where.ravel()[simplices]
+    ordered = np.sort(rows, axis=1)
+    whole = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)
+    return distinct, rows[whole]
+
+
 def euler_characteristic(simplices: Integers) -> int:
     """Vertices minus edges plus triangles minus .., over the faces that occur.
 
