@@ -23,7 +23,7 @@ KINDS = [(1, 1), (2, 1), (3, 1), (3, 2), (4, 1), (4, 2), (4, 3), (5, 1), (5, 2),
 def noise(n: int, m: int, seed: int, ties: bool = False) -> Field:
     """Random samples on a small lattice; integers from -1 to 1 where ties are wanted."""
     rng = np.random.default_rng(seed)
-    sizes = {1: [9], 2: [7, 4], 3: [5, 3, 4], 4: [4, 2, 3, 2], 5: [3, 2, 2, 3, 2]}[n]
+    sizes = {1: [9], 2: [7, 4], 3: [5, 3, 4], 4: [4, 2, 3, 2], 5: [3, 2, 2, 2, 2]}[n]
     shape = (m, *rng.permutation(sizes))
     values = rng.integers(-1, 2, shape) if ties else rng.normal(size=shape)
     return Field.of(values, list(rng.uniform(0.5, 2, n)), list(rng.normal(size=n)), dimension=n)
