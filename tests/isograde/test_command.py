@@ -151,14 +151,24 @@ def test_lists_name_everything() -> None:
     assert "real/hydrogen_atom" in fields
 
 
-def test_another_discipline_is_graded_by_its_own_claims(tmp_path: Path) -> None:
-    """Curves where two surfaces meet: the declaration says so, the command is the same."""
-    result = run("grade", "curves:marching-faces", "--only", "curves.whole", "--out", tmp_path)
+@pytest.mark.parametrize(
+    ("spec", "claim"),
+    [
+        ("contours:diconex-mixed", "contours.whole"),
+        ("curves:marching-faces", "curves.whole"),
+        ("simplices:reference", "simplices.closed"),
+    ],
+)
+def test_another_discipline_is_graded_by_its_own_claims(
+    spec: str, claim: str, tmp_path: Path
+) -> None:
+    """The declaration names the discipline; the command is the same."""
+    result = run("grade", spec, "--only", claim, "--out", tmp_path, "--format", "html")
     assert result.exit_code == 0, result.output
     found = record.read(tmp_path / "report.jsonl")
-    assert found.header["implementation"]["discipline"] == "curves"
-    assert list(found.claims) == ["curves.whole"]
-    assert found.summaries["curves.whole"].counts["pass"] > 3
+    assert found.header["implementation"]["discipline"] == spec.split(":")[0]
+    assert list(found.claims) == [claim]
+    assert found.summaries[claim].counts["pass"] > 3
 
 
 def test_a_bare_call_shows_the_help() -> None:

@@ -5,7 +5,7 @@ An implementation says in its declaration which discipline it belongs to; "surfa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -39,14 +39,14 @@ def pose_surfaces(variant: str, case: Case, field: Field) -> tuple[Field, float]
     return variants.pose(variant, field, case.isovalue)
 
 
-def _pose_curves(variant: str, case: Case, field: Field) -> tuple[Field, float]:
-    """The variant of a case of the discipline `curves`."""
-    return curves.pose(variant, case, field), case.isovalue
-
-
 def _pose_contours(variant: str, case: Case, field: Field) -> tuple[Field, float]:
     """The variant of a case of the discipline `contours`."""
     return contours.pose(variant, field), case.isovalue
+
+
+def _pose_curves(variant: str, case: Case, field: Field) -> tuple[Field, float]:
+    """The variant of a case of the discipline `curves`."""
+    return curves.pose(variant, case, field), case.isovalue
 
 
 def _pose_simplices(variant: str, case: Case, field: Field) -> tuple[Field, float]:
@@ -54,33 +54,23 @@ def _pose_simplices(variant: str, case: Case, field: Field) -> tuple[Field, floa
     return simplicial.pose(variant, case, field), case.isovalue
 
 
-@cache
-def _contours(seed: int) -> dict[str, Case]:
-    """The cases of the discipline `contours` by id."""
-    return {case.id: case for case in contours.cases(seed)}
+def _discipline(
+    cases: Callable[[int], list[Case]], claims: Iterable[Claim], pose: Pose
+) -> Discipline:
+    """The discipline of these, its cases listed once for each seed."""
 
+    @cache
+    def by_id(seed: int) -> dict[str, Case]:
+        return {case.id: case for case in cases(seed)}
 
-@cache
-def _curves(seed: int) -> dict[str, Case]:
-    """The cases of the discipline `curves` by id."""
-    return {case.id: case for case in curves.cases(seed)}
-
-
-@cache
-def _simplices(seed: int) -> dict[str, Case]:
-    """The cases of the discipline `simplices` by id."""
-    return {case.id: case for case in simplicial.cases(seed)}
+    return Discipline(by_id, {claim.id: claim for claim in claims}, pose)
 
 
 DISCIPLINES: dict[str, Discipline] = {
     "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces),
-    "contours": Discipline(
-        _contours, {claim.id: claim for claim in contours.CLAIMS}, _pose_contours
-    ),
-    "curves": Discipline(_curves, {claim.id: claim for claim in curves.CLAIMS}, _pose_curves),
-    "simplices": Discipline(
-        _simplices, {claim.id: claim for claim in simplicial.CLAIMS}, _pose_simplices
-    ),
+    "contours": _discipline(contours.cases, contours.CLAIMS, _pose_contours),
+    "curves": _discipline(curves.cases, curves.CLAIMS, _pose_curves),
+    "simplices": _discipline(simplicial.cases, simplicial.CLAIMS, _pose_simplices),
 }
 ALL_CLAIMS: dict[str, Claim] = {
     name: claim for one in DISCIPLINES.values() for name, claim in one.claims.items()
