@@ -37,8 +37,8 @@ from isoref.methods import METHODS
 
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
-OPENING = """Made by `papers/trilinear/reproduce.py`; every number was computed in this run. The
-truth is `isograde.truths.trilinear`, its list of cases `isograde.truths.trilinear_cases`, the
+OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
+"paper". The truth is `isograde.truths.trilinear`, its list of cases `isograde.truths.trilinear_cases`, the
 extractor `isoref.trilinear_cubes`. A guided reading is in `papers/trilinear/README.md`.
 """
 
@@ -274,7 +274,8 @@ def _summary(rows: list[agree.Agreement]) -> str:
         "",
         "Right cells among random ones, among the targeted ones of cases without and with a "
         "tunnel; and pairs of tunnels that meet on a face, out of 36, in which an edge has more "
-        "than two triangles.",
+        "than two triangles. MeshLab, which takes small fields only, has a tenth of the random "
+        "cells.",
         "",
         "| implementation | version | random cells | no tunnel | tunnel | crowded pairs "
         "| not judged |",
