@@ -38,8 +38,9 @@ from isoref.methods import METHODS
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
-"paper". The truth is `isograde.truths.trilinear`, its list of cases `isograde.truths.trilinear_cases`, the
-extractor `isoref.trilinear_cubes`. A guided reading is in `papers/trilinear/README.md`.
+"paper". The truth is `isograde.truths.trilinear`, its list of cases
+`isograde.truths.trilinear_cases`, the extractor `isoref.trilinear_cubes`. A guided
+reading is in `papers/trilinear/README.md`.
 """
 
 
