@@ -175,11 +175,12 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
     vertices = np.concatenate([piece.vertices for piece in pieces])
     triangles = np.concatenate([piece.triangles for piece in pieces])
     cells = np.concatenate([piece.cells for piece in pieces])
-    interior = [piece.interior for piece in pieces if len(piece.interior)]
-    if interior:
+    having = np.concatenate([piece.having for piece in pieces], axis=1)
+    if having.size:
         # Number the interior points behind the crossings: so far they count down from -1.
         triangles = np.where(triangles < 0, len(vertices) - 1 - triangles, triangles)
-        vertices = np.concatenate([vertices, *interior])
+        interior = _interior_points(tiles, field, isovalue, having[:3], having[3])
+        vertices = np.concatenate([vertices, interior])
     return Mesh(vertices, triangles), cells
 
 
@@ -216,12 +217,16 @@ class _Tiles:
 
 @dataclass(frozen=True)
 class _Piece:
-    """What one slab contributes: the vertices it owns, the triangles of its cells."""
+    """What one slab contributes: the vertices it owns, the triangles of its cells.
+
+    having : (4, n) lattice indices and key of the cells that have interior points
+    """
 
     vertices: Floats
     triangles: Integers
     cells: Integers
-    interior: Floats
+    having: Integers
+    made_inside: int
 
 
 @dataclass(frozen=True)
@@ -335,7 +340,7 @@ def _pieces(tiles: _Tiles, field: Field, isovalue: float) -> Iterator[_Piece]:
     for first in range(0, field.shape[0] - 1, volume.planes):
         piece = _piece(tiles, _Slab(volume, first), made, made_inside)
         made += len(piece.vertices)
-        made_inside += len(piece.interior)
+        made_inside += piece.made_inside
         yield piece
 
 
@@ -364,8 +369,9 @@ def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int) -> _Piece:
     tiles.learn(keys)
     triangles, owner = _gather(tiles, slab, cells, keys, made, made_inside)
     flat = np.ravel_multi_index(tuple(index), tuple(n - 1 for n in slab.volume.field.shape))
-    interior = _interior_points(tiles, slab, index, keys)
-    return _Piece(vertices, triangles, flat[owner], interior)
+    own_points = tiles.interior[keys]
+    having = np.vstack([index, keys])[:, own_points > 0]
+    return _Piece(vertices, triangles, flat[owner], having, int(own_points.sum()))
 
 
 def _crossing_points(slab: _Slab, index: Integers, row: Integers, axis: Integers) -> Floats:
@@ -412,17 +418,20 @@ def _gather(
     return triangles, owner
 
 
-def _interior_points(tiles: _Tiles, slab: _Slab, index: Integers, keys: Integers) -> Floats:
-    """Positions of the interior points of all cells, cell by cell."""
+def _interior_points(
+    tiles: _Tiles, field: Field, isovalue: float, index: Integers, keys: Integers
+) -> Floats:
+    """Positions of the interior points of the cells with these indices (3, n), cell by cell."""
     own = tiles.interior[keys]
     first = np.cumsum(own) - own
     points = np.empty((int(own.sum()), 3))
-    having = np.flatnonzero(own)
-    for key in np.flatnonzero(np.bincount(keys[having], minlength=1)):
-        rows = having[keys[having] == key]
-        g = slab.corner_values(index[:, rows])
+    # Take the cells of one key together: they share their placements.
+    order = np.argsort(keys, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+        low = index[:, rows]
+        corners = (low[:, None] + CORNER_OFFSETS.T[:, :, None]).reshape(3, -1)
+        g = field.values[tuple(corners)].astype(np.float64).reshape(8, -1) - isovalue
         crossings = cell_crossings(g)
-        for k, place in enumerate(tiles.known[int(key)].interior):
-            at = index[:, rows].T + place(g, crossings)
-            points[first[rows] + k] = slab.volume.field.position(at)
+        for k, place in enumerate(tiles.known[int(keys[rows[0]])].interior):
+            points[first[rows] + k] = field.position(low.T + place(g, crossings))
     return points
