@@ -157,7 +157,8 @@ class Outcome:
         if self.status is not Status.OK or self.vertices is None or self.faces is None:
             return None
         shaped = self.vertices.ndim == 2 and self.faces.ndim == 2
-        if not shaped or self.faces.dtype.kind not in "iu" or not np.isfinite(self.vertices).all():
+        numbers = self.vertices.dtype.kind in "fiu" and self.faces.dtype.kind in "iu"
+        if not shaped or not numbers or not np.isfinite(self.vertices).all():
             return None
         if self.faces.size and (self.faces.min() < 0 or self.faces.max() >= len(self.vertices)):
             return None
