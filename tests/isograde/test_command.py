@@ -10,6 +10,7 @@ import numpy as np
 import psutil
 import pytest
 import trimesh
+from isograde import command
 from isograde.command import app
 from isograde.disciplines.registry import ALL_CLAIMS as CLAIMS
 from isograde.doors import ready_made_names
@@ -231,6 +232,39 @@ def test_no_process_outlives_a_run_that_is_killed(tmp_path: Path) -> None:
     _, alive = psutil.wait_procs(family, timeout=20)
     assert not alive
     assert record.read(lines).footer is None
+
+
+def test_all_leaves_out_what_does_not_start_and_compares_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A library that cannot load is named, and never stops the rest; nor does a discipline."""
+    specs = ["isoref:asymptotic-decider", "absent", "isoref:lorensen-cline"]
+    monkeypatch.setattr(command, "ready_made_names", lambda: specs)
+    monkeypatch.setattr(command, "OTHERS", {"contours:skimage": ""})
+    result = run("grade", "--all", "--only", "pairs/02*", "--out", tmp_path, "--format", "html")
+    assert result.exit_code == 1, result.output
+    names = {path.name for path in tmp_path.iterdir()}
+    stems = ("isoref-asymptotic-decider", "isoref-lorensen-cline")
+    assert names == {"comparison.html", "comparison.md"} | {
+        f"{stem}{ending}" for stem in stems for ending in (".html", ".jsonl.gz")
+    }
+    text = (tmp_path / "comparison.html").read_text(encoding="utf-8")
+    assert "no implementation &#39;absent&#39;" in text
+    assert 'href="isoref-lorensen-cline.html#failure-topology.closed"' in text
+    nothing = run("grade", "--all", "--only", "absent/*", "--out", tmp_path / "none")
+    assert nothing.exit_code == 3
+
+
+def test_a_fault_of_the_command_is_not_taken_for_a_claim_that_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def breaks() -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(command, "app", breaks)
+    with pytest.raises(SystemExit) as left:
+        command.main()
+    assert left.value.code == 70
 
 
 def test_check_tells_what_a_door_does_and_why_another_does_not_open() -> None:

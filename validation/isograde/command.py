@@ -56,13 +56,14 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 class Exit(IntEnum):
-    """Exit status of the command."""
+    """Exit status of the command; 70, as sysexits.h has it, where the command itself broke."""
 
     HOLDS = 0
     FAILS = 1
     WRONG_USE = 2
     NOT_STARTED = 3
     NOTHING_RAN = 4
+    BROKEN = 70
 
 
 class Listing(StrEnum):
@@ -186,10 +187,12 @@ def _grade_all(options: Options, out: Path, kinds: list[str]) -> None:
             absent[spec] = str(error)
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
+        except NothingToRun:
+            continue  # What was asked for belongs to another discipline.
         reports.write(done[stem], out, stem, kinds)
         say(f"{escape(spec):40} {words.reached(done[stem])}")
     if not done:
-        stop(Exit.NOT_STARTED, "no implementation started")
+        stop(Exit.NOT_STARTED if absent else Exit.NOTHING_RAN, "no implementation was graded")
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
     found = list(done.values())
     page = comparison.comparison_page(found, links, absent)
@@ -482,8 +485,12 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
 
 
 def main() -> None:
-    """Run the command."""
-    app()
+    """Run the command. A fault of its own is none of the documented statuses."""
+    try:
+        app()
+    except Exception:  # noqa: BLE001 - shown whole, and told apart from claims that fail
+        errors.print_exception()
+        sys.exit(Exit.BROKEN)
 
 
 if __name__ == "__main__":
