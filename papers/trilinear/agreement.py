@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from isograde.doors import open_door, ready_made_names
@@ -87,7 +88,7 @@ class Agreement:
     right, total : cells of each case, over the targeted cells
     faults : faults of each case
     random : right and all random cells
-    crowded : pairs of tunnel cells in which an edge has more than two triangles, of 36
+    crowded : pairs of tunnel cells in which an edge has more than two triangles, of 72
     why_not : why it could not be judged, or ""
     """
 
@@ -130,10 +131,9 @@ def agreement(name: str, posed: tuple[list[str], Floats], random: Floats) -> Agr
 
 
 def tunnel_pairs() -> Iterator[Floats]:
-    """36 fields: a tunnel cell and its mirror image across each face."""
-    for name in TUNNELS:
-        for face in range(6):
-            yield trilinear_cells.pair(name, face, 0)
+    """72 fields: a tunnel cell and its mirror image across each face, and the same negated."""
+    for name, face, sign in product(TUNNELS, range(6), (1, -1)):
+        yield trilinear_cells.pair(name, face, sign, 0)
 
 
 def crowded(door: Door, values: Floats) -> bool:

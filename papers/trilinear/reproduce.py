@@ -274,7 +274,7 @@ def _summary(rows: list[agree.Agreement]) -> str:
         "## Who has the topology of the trilinear interpolant",
         "",
         "Right cells among random ones, among the targeted ones of cases without and with a "
-        "tunnel; and pairs of tunnels that meet on a face, out of 36, in which an edge has more "
+        "tunnel; and pairs of tunnels that meet on a face, out of 72, in which an edge has more "
         "than two triangles. MeshLab, which takes small fields only, has a tenth of the random "
         "cells.",
         "",

@@ -21,7 +21,7 @@ def listed() -> list[Case]:
 def test_vectors_are_frozen(listed: list[Case]) -> None:
     """Same seed, same numbers, same ids."""
     assert digest(listed[::7]) == (
-        "db3deef834b41112f14625a9ce24e61ef8a1052dd242a0b7f201d1944419c23d"
+        "6ac4f01c3b41eccaa930d89025ba1792ef82df712a5a96a2ee67ede4623f6c02"
     )
 
 
@@ -64,7 +64,7 @@ def test_near_cells_differ_little_and_in_the_tunnel_alone(name: str) -> None:
 def test_pairs_are_no_ties_and_have_two_tunnels(listed: list[Case]) -> None:
     """A cell and its mirror image share a face, and each has its tunnel."""
     pairs = [case for case in listed if "pair" in case.tags]
-    assert len(pairs) == 36
+    assert len(pairs) == 72
     for case in pairs:
         values = np.asarray(case.build().values)
         assert grid(values).ties == NONE
@@ -75,7 +75,7 @@ def test_pairs_are_no_ties_and_have_two_tunnels(listed: list[Case]) -> None:
 def test_a_run_that_is_not_full_poses_every_case(listed: list[Case]) -> None:
     """Fewer positions, but each name, near and far."""
     quick = [case for case in listed if "full" not in case.tags]
-    assert len(quick) < 500
+    assert len(quick) < 550
     named = {case.id.split("/")[2] for case in quick if "each" in case.tags}
     assert len(named) == 32
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.doors import open_door
-from isograde.fields.trilinear_cells import far
+from isograde.fields.trilinear_cells import far, pair
 from isograde.model import Limits
 from isograde.truths.sheets import Fault
 from isograde.truths.trilinear import cells
@@ -105,6 +105,19 @@ def test_scikit_image_draws_a_tunnel_in_4_1_and_none_in_7_4_2(
     finally:
         door.close()
     assert found == [Fault.FALSE, Fault.MISSING]
+
+
+def test_two_tunnels_of_10_1_2_share_a_face_and_an_edge(module: Callable[[str], Any]) -> None:
+    """The page's sentence about diagonals on faces: scikit-image crowds, the reference does not."""
+    agreement = module("agreement")
+    both = pair("10.1.2", 0, -1, 0)
+    for name, expected in (("skimage:lewiner", True), (agreement.REFERENCE, False)):
+        door = open_door(name)
+        door.open(Limits())
+        try:
+            assert agreement.crowded(door, both) is expected
+        finally:
+            door.close()
 
 
 def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], Any]) -> None:

@@ -13,7 +13,7 @@ far     a cell well clear of the decision, "trilinear/13.5.2/far/00+"
 near    the two cells a step of 2 ** -7 apart between which the tunnel opens
 fine    the same, 2 ** -18 apart: beyond single precision's arithmetic
 00+     number of the symmetry, and + or - for the sign
-pair    a tunnel cell and its mirror image across a face, "trilinear/pair/7.4.2/3"
+pair    a tunnel cell and its mirror image across a face, "trilinear/pair/7.4.2/3-"
 
 All values are multiples of 2 ** -20 below 1, so that single precision holds them exactly.
 """
@@ -137,9 +137,9 @@ def near(name: str, seed: int, bits: int) -> tuple[Floats, Floats]:
     return between(low), between(high)
 
 
-def pair(name: str, face: int, seed: int) -> Floats:
+def pair(name: str, face: int, sign: int, seed: int) -> Floats:
     """Three layers of samples: a cell with the tunnel of this case, and its mirror image."""
-    cell = _first(name, seed)
+    cell = sign * _first(name, seed)
     axis, side = divmod(face, 2)
     layers = np.moveaxis(cell, axis, 0)
     shared, outer = layers[side], layers[1 - side]
@@ -199,17 +199,17 @@ def _posed_field(
 
 
 def _pairs(seed: int) -> list[Case]:
-    """For each tunnel case and each face: the cell and its mirror image."""
-    return [
-        _case(f"trilinear/pair/{name}/{face}", partial(_pair_field, name, face, seed), {"pair"}, 12)
-        for name in TUNNELS
-        for face in range(len(FACES))
-    ]
+    """For each tunnel case, each face and both signs: the cell and its mirror image."""
+    found = []
+    for name, face, sign in product(TUNNELS, range(len(FACES)), (1, -1)):
+        key = f"trilinear/pair/{name}/{face}{'+' if sign > 0 else '-'}"
+        found.append(_case(key, partial(_pair_field, name, face, sign, seed), {"pair"}, 12))
+    return found
 
 
-def _pair_field(name: str, face: int, seed: int) -> Field:
+def _pair_field(name: str, face: int, sign: int, seed: int) -> Field:
     """The field of a pair."""
-    return Field.of(pair(name, face, seed))
+    return Field.of(pair(name, face, sign, seed))
 
 
 def _case(key: str, build: Callable[[], Field], tags: set[str], samples: int = 8) -> Case:
