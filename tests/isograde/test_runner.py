@@ -171,6 +171,17 @@ def test_the_full_plan_has_all_that_applies() -> None:
     }
 
 
+def test_the_full_plan_poses_no_pair_and_nothing_large_in_every_way() -> None:
+    large = runner.POSED_SAMPLES + 1
+    cases = {
+        "cells/1": _case("cells/1", "posed"),
+        "pairs/1": _case("pairs/1", "pairs"),
+        "real/1": Case("real/1", _case().build, 0.5, large, frozenset()),
+    }
+    planned = {task.case: task.claims for task in plan(Options(full=True), cases, CLAIMS)}
+    assert [name for name, claims in planned.items() if "symmetry.scaled" in claims] == ["cells/1"]
+
+
 def test_only_chooses_by_case_or_by_claim() -> None:
     assert list(_planned(only=("cells/*",))) == ["cells/1", "cells/2"]
     assert set(_planned(only=("topology.*",)).values()) == {("topology.closed",)}

@@ -110,7 +110,9 @@ def grade(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the report: report, or report/only with --only.")
     ] = None,
-    full: Annotated[bool, typer.Option("--full", help="Every case, every variant.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Every case, and many more in every way.")
+    ] = False,
     seed: Annotated[int, typer.Option(min=0, help="Other numbers under the same ids.")] = 0,
     only: Annotated[
         list[str] | None, typer.Option(metavar="GLOB", help="Claims or cases with such an id.")

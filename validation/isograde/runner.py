@@ -50,6 +50,10 @@ from isograde.model import (
 
 # Keep a failed case whole, for its picture and its numbers, up to this many samples.
 SHOWN_SAMPLES = 2200
+# Pose a case in every way with ``--full`` up to this many samples.
+POSED_SAMPLES = 40_000
+# Leave families of thousands of small cases as they stand: cells and noise are posed instead.
+UNPOSED = frozenset({"pairs", "trilinear"})
 # Give up on an implementation that ran out of time so many times in a row.
 PATIENCE = 8
 JUDGE_FAULT = "the grader's judge failed"
@@ -62,7 +66,7 @@ class Options:
     """How to grade.
 
     only : globs on ids of claims or of cases; empty for all
-    full : every case, and every variant on every case
+    full : every case, and every variant on all but pairs and large cases
     """
 
     seed: int = 0
@@ -107,10 +111,10 @@ class NothingToRun(LookupError):  # noqa: N818 - a state of the plan, not an err
 def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim]) -> list[Task]:
     """The tasks in the order of the cases. Raises `NothingToRun`."""
     chosen_claims, chosen_cases = _select(options, cases, claims)
-    posed = any("posed" in case.tags for case in cases.values())
+    chosen = any("posed" in case.tags for case in cases.values())
     tasks = []
     for case in chosen_cases.values():
-        all_ways = options.full or case.id in options.only or "posed" in case.tags or not posed
+        all_ways = not chosen or _in_all_ways(case, options)
         wanted = tuple(
             claim.id
             for claim in chosen_claims.values()
@@ -124,6 +128,13 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
             f"nothing matches {asked}; `isograde list claims` and `isograde list fields` show ids"
         )
     return tasks
+
+
+def _in_all_ways(case: Case, options: Options) -> bool:
+    """Whether claims that need variants are judged on the case: where that is affordable."""
+    if "posed" in case.tags or case.id in options.only:
+        return True
+    return options.full and not UNPOSED & case.tags and case.samples <= POSED_SAMPLES
 
 
 def _select(
