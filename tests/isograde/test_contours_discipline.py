@@ -10,18 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from isograde.disciplines import contours as discipline
-from isograde.disciplines.contours import CLAIMS, Extract, cases, grade
+from isograde.disciplines.contours import CLAIMS, Extract, cases
 from isograde.doors import contour_methods as methods
 from isograde.doors import open_door
-from isograde.doors.conventions import to_house
 from isograde.model import (
-    Conventions,
     Declaration,
     Finding,
     Limits,
-    Outcome,
-    Request,
-    Status,
     Verdict,
 )
 from isograde.truths import planar
@@ -30,31 +25,9 @@ from isoref import diconex as reference
 from isoref.field import Field
 from matplotlib.path import Path
 
+from tests.isograde.judging import Here, grade
+
 Lines = list[Points]
-
-
-class Here:
-    """A door without a process, for functions that the tests trust not to crash."""
-
-    def __init__(self, function: Extract):
-        self.function = discipline.through_door(function)
-
-    def open(self, limits: Limits) -> Declaration:
-        """Nothing to start."""
-        return Declaration("here", discipline="contours")
-
-    def run(self, request: Request) -> Outcome:
-        """The outcome of one call."""
-        try:
-            answer = self.function(
-                np.asarray(request.field.values), request.isovalue, request.field.spacing
-            )
-        except Exception as error:  # noqa: BLE001 - as a door would
-            return Outcome(Status.RAISED, detail=str(error))
-        return to_house(Outcome(Status.OK, *answer), request, Conventions())
-
-    def close(self) -> None:
-        """Nothing to stop."""
 
 
 # Cases on which each fault below shows.
@@ -67,7 +40,12 @@ def graded(
     """Every finding on this function, by case and claim."""
     asked = [c for c in cases() if not few or c.id.removeprefix("contours/") in FEW]
     declaration = Declaration("here", discipline="contours", without=without)
-    return {(a, b): finding for a, b, finding in grade(Here(function), declaration, asked)}
+    return {
+        (a, b): finding
+        for a, b, finding in grade(
+            Here(discipline.through_door(function), "contours"), declaration, asked
+        )
+    }
 
 
 def faults(function: Extract, few: bool = False) -> set[str]:

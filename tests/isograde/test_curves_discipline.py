@@ -8,45 +8,22 @@ import isoref.marching_faces
 import numpy as np
 import pytest
 from isograde.disciplines import curves as discipline
-from isograde.disciplines.curves import CLAIMS, COARSE, Extract, cases, grade, known_curves
+from isograde.disciplines.curves import CLAIMS, COARSE, Extract, cases, known_curves
 from isograde.doors import curve_methods, open_door
-from isograde.doors.conventions import to_house
-from isograde.model import Conventions, Declaration, Finding, Limits, Outcome, Request, Status
+from isograde.model import Declaration, Finding, Limits, Request
 from isograde.truths.space_curves import Points, is_closed
 from isoref.field import Field
 
+from tests.isograde.judging import Here, grade
+
 Change = Callable[[list[Points]], list[Points]]
-
-
-class Here:
-    """A door without a process, for functions that the tests trust not to crash."""
-
-    def __init__(self, function: Extract):
-        self.function = discipline.through_door(function)
-
-    def open(self, limits: Limits) -> Declaration:
-        """Nothing to start."""
-        return Declaration("here", discipline="curves")
-
-    def run(self, request: Request) -> Outcome:
-        """The outcome of one call."""
-        try:
-            answer = self.function(
-                np.asarray(request.field.values), request.isovalue, request.field.spacing
-            )
-        except Exception as error:  # noqa: BLE001 - as a door would
-            return Outcome(Status.RAISED, detail=str(error))
-        return to_house(Outcome(Status.OK, *answer), request, Conventions())
-
-    def close(self) -> None:
-        """Nothing to stop."""
 
 
 def graded(function: Extract, only: tuple[str, ...] = ()) -> dict[tuple[str, str], Finding]:
     """Every finding on this function, by case and claim; on some cases only, by their names."""
     asked = [case for case in cases() if not only or case.id.removeprefix("curves/") in only]
     declaration = Declaration("here", discipline="curves")
-    findings = grade(Here(function), declaration, asked)
+    findings = grade(Here(discipline.through_door(function), "curves"), declaration, asked)
     return {(case, claim): finding for case, claim, finding in findings}
 
 
@@ -206,7 +183,9 @@ def test_an_error_and_an_answer_of_the_wrong_shape_are_told_apart_from_failures(
 
     case, field = cases()[0], cases()[0].build()
     for function, word in ((raises, "no licence"), (flat, "(3, 2)")):
-        outcome = Here(function).run(Request(case.id, "plain", field, 0.0))
+        outcome = Here(discipline.through_door(function), "curves").run(
+            Request(case.id, "plain", field, 0.0)
+        )
         assert discipline.polylines(outcome) is None
         assert word in outcome.detail
     found = {finding.verdict for finding in graded(raises, QUICK).values()}

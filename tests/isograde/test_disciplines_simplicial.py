@@ -6,43 +6,33 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.disciplines import simplicial
-from isograde.disciplines.simplicial import CLAIMS, READY_MADE, cases, grade, isoref_simplices
-from isograde.model import Case, Declaration, Door, Limits, Outcome, Request, Status, Verdict
+from isograde.disciplines.simplicial import CLAIMS, READY_MADE, cases
+from isograde.doors.simplex_methods import (
+    contourpy_lines,
+    isoref_printed_tables,
+    isoref_simplices,
+    skimage_measure,
+)
+from isograde.model import Case, Declaration, Limits, Outcome, Request, Status, Verdict
 from isograde.truths import simplices as truth
 from isograde.truths.known_manifolds import MANIFOLDS
 
+from tests.isograde.judging import Here, grade
+
+DECLARATION = Declaration("here", discipline="simplices")
 CASES = {case.id.removeprefix("simplices/"): case for case in cases()}
 Simplices = Callable[[Any, tuple[float, ...]], Any]
 
 
-class Direct(Door):
-    """A door that calls a function in this process."""
-
-    def __init__(self, function: Simplices):
-        self.function = simplicial.through_door(function)
-
-    def open(self, limits: Limits) -> Declaration:
-        """Nothing to start."""
-        return Declaration("direct", discipline="simplices")
-
-    def run(self, request: Request) -> Outcome:
-        """The answer, moved to the field's origin as the doors do."""
-        try:
-            vertices, simplices = self.function(request.field.values, 0.0, request.field.spacing)
-        except NotImplementedError as error:
-            return Outcome(Status.DECLINED, detail=str(error))
-        if vertices.shape[1] == request.field.dimension:
-            vertices = vertices + np.asarray(request.field.origin)
-        return Outcome(Status.OK, vertices, simplices)
-
-    def close(self) -> None:
-        """Nothing to stop."""
+def here(function: Simplices) -> Here:
+    """A door to the function."""
+    return Here(simplicial.through_door(function), "simplices")
 
 
 def verdicts(function: Simplices, asked: Iterable[Case]) -> dict[str, set[Verdict]]:
     """What is said of each claim, over the cases."""
     said: dict[str, set[Verdict]] = {}
-    for _, claim, finding in grade(Direct(function), Declaration("direct"), asked):
+    for _, claim, finding in grade(here(function), DECLARATION, asked):
         said.setdefault(claim.removeprefix("simplices."), set()).add(finding.verdict)
     return said
 
@@ -63,8 +53,8 @@ def test_the_reference_passes_every_claim(name: str) -> None:
 
 def test_the_printed_tables_fail_conformity_in_dimension_five_and_nothing_else() -> None:
     """Table 4 of Min: the union is the same set, but no complex."""
-    assert failing(simplicial.isoref_printed_tables, "noise-5-3") == {"conforming"}
-    assert failing(simplicial.isoref_printed_tables, "noise-4-2", "sphere") == set()
+    assert failing(isoref_printed_tables, "noise-5-3") == {"conforming"}
+    assert failing(isoref_printed_tables, "noise-4-2", "sphere") == set()
 
 
 @pytest.mark.parametrize("library", ["skimage", "contourpy"])
@@ -72,8 +62,8 @@ def test_libraries_pass_where_they_answer_and_decline_elsewhere(library: str) ->
     """One component in the plane or in space; what a library does not do is no failure."""
     pytest.importorskip(library)
     function = {
-        "skimage": simplicial.skimage_measure,
-        "contourpy": simplicial.contourpy_lines,
+        "skimage": skimage_measure,
+        "contourpy": contourpy_lines,
     }[library]
     said = verdicts(function, [CASES[n] for n in ("circle", "flat-2-1", "sphere", "noise-4-2")])
     for claim, found in said.items():
@@ -163,12 +153,12 @@ def test_every_claim_has_its_broken_implementation_and_every_case_a_claim() -> N
 def test_an_implementation_that_raises_is_an_error_not_a_pass() -> None:
     """Only a mesh can pass."""
 
-    class Raising(Direct):
+    class Raising(Here):
         def run(self, request: Request) -> Outcome:
             return Outcome(Status.RAISED, detail="ValueError: no")
 
-    door = Raising(isoref_simplices)
-    said = {f.verdict for _, _, f in grade(door, Declaration("x"), [CASES["circle"]])}
+    door = Raising(simplicial.through_door(isoref_simplices), "simplices")
+    said = {f.verdict for _, _, f in grade(door, DECLARATION, [CASES["circle"]])}
     assert said == {Verdict.ERROR}
 
 

@@ -26,7 +26,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -35,15 +35,12 @@ from isoref.field import Field
 from numpy.typing import NDArray
 
 from isograde.claims.evidence import VERDICT_OF, failed, passed
+from isograde.disciplines.polylines import declare, stacked, unstacked
 from isograde.model import (
     Case,
     Claim,
-    Declaration,
-    Door,
     Finding,
     Outcome,
-    Request,
-    Status,
     Trial,
     Verdict,
 )
@@ -68,30 +65,15 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
     def extract(
         values: NDArray[Any], isovalue: float, spacing: tuple[float, ...]
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        parts = [np.asarray(c, np.float64) for c in function(values, isovalue, tuple(spacing))]
-        for number, part in enumerate(parts):
-            if part.ndim != 2 or part.shape[1] != 2:
-                raise TypeError(f"contour {number} has shape {part.shape}, not (N, 2)")
-        owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-        return np.concatenate([*parts, np.empty((0, 2))]), owner[:, None].astype(np.int64)
+        return stacked(function(values, isovalue, tuple(spacing)), 2, "contour")
 
     extract.stacked = True  # type: ignore[attr-defined]
-    extract.declaration = {  # type: ignore[attr-defined]
-        "name": getattr(function, "__name__", "contours"),
-        "discipline": "contours",
-    }
-    return extract
+    return declare(extract, function, "contours")
 
 
 def polylines(outcome: Outcome) -> Contours | None:
     """The contours of an outcome, or None where it holds none that can be judged."""
-    points, owner = outcome.vertices, outcome.faces
-    if outcome.status is not Status.OK or points is None or owner is None:
-        return None
-    if points.ndim != 2 or points.shape[1] != 2 or owner.shape != (len(points), 1):
-        return None
-    cuts = np.flatnonzero(np.diff(owner[:, 0])) + 1
-    return [part.astype(np.float64) for part in np.split(points, cuts) if len(part)]
+    return unstacked(outcome, 2)
 
 
 # --- judges: contours in index coordinates -------------------------------------------------------
@@ -627,34 +609,12 @@ CLAIMS: tuple[Claim, ...] = (
 # --- grading -------------------------------------------------------------------------------------
 
 
-def pose(variant: str, field: Field) -> Field:
+def pose(variant: str, case: Case, field: Field) -> Field:
     """The field of a variant: ``plain`` or ``transposed``."""
     if variant == "transposed":
         values = np.ascontiguousarray(field.values.T)
         return Field.of(values, field.spacing[::-1], field.origin[::-1])
     return field
-
-
-Graded = tuple[str, str, Finding]
-
-
-def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterator[Graded]:
-    """(case, claim, finding) of everything that is asked about these cases of an open door."""
-    for case in asked:
-        field = case.build()
-        outcomes: dict[str, Outcome] = {}
-        trial = Trial(case, field, declaration, outcomes)
-        for claim in CLAIMS:
-            if not claim.applies_to(case):
-                continue
-            if claim.unless & declaration.without:
-                yield case.id, claim.id, Finding(Verdict.UNSUPPORTED)
-                continue
-            for variant in ("plain", *claim.variants):
-                if variant not in outcomes:
-                    request = Request(case.id, variant, pose(variant, field), case.isovalue)
-                    outcomes[variant] = door.run(request)
-            yield case.id, claim.id, claim.judge(trial)
 
 
 # Ready-made implementations, by short name.

@@ -30,7 +30,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import Any
 
@@ -38,14 +38,12 @@ import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
 
+from isograde.disciplines.polylines import declare, stacked, unstacked
 from isograde.model import (
     Case,
     Claim,
-    Declaration,
-    Door,
     Finding,
     Outcome,
-    Request,
     Status,
     Trial,
     Verdict,
@@ -79,30 +77,15 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         second = float(values[2].flat[0]) if len(values) == 3 else isovalue
         answer = function(values[0], values[1], isovalue, second, tuple(spacing))
-        parts = [np.asarray(curve, np.float64) for curve in answer]
-        for number, part in enumerate(parts):
-            if part.ndim != 2 or part.shape[1] != 3:
-                raise TypeError(f"curve {number} has shape {part.shape}, not (N, 3)")
-        owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-        return np.concatenate([*parts, np.empty((0, 3))]), owner[:, None].astype(np.int64)
+        return stacked(answer, 3, "curve")
 
     extract.stacked = True  # type: ignore[attr-defined]
-    extract.declaration = {  # type: ignore[attr-defined]
-        "name": getattr(function, "__name__", "curves"),
-        "discipline": "curves",
-    }
-    return extract
+    return declare(extract, function, "curves")
 
 
 def polylines(outcome: Outcome) -> Curves | None:
     """The curves of an outcome, or None where it holds none that can be judged."""
-    points, owner = outcome.vertices, outcome.faces
-    if outcome.status is not Status.OK or points is None or owner is None:
-        return None
-    if points.ndim != 2 or points.shape[1] != 3 or owner.shape != (len(points), 1):
-        return None
-    cuts = np.flatnonzero(np.diff(owner[:, 0])) + 1
-    return [part.astype(np.float64) for part in np.split(points, cuts) if len(part)]
+    return unstacked(outcome, 3)
 
 
 # --- judges --------------------------------------------------------------------------------------
@@ -531,22 +514,3 @@ def pose(variant: str, case: Case, field: Field) -> Field:
         n1, n2, n3 = COARSE
         return _sampled(known_curves()[case.id], (2 * n1 - 1, 2 * n2 - 1, 2 * n3 - 1))
     return field
-
-
-Graded = tuple[str, str, Finding]
-
-
-def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterator[Graded]:
-    """(case, claim, finding) of everything that is asked about these cases of an open door."""
-    for case in asked:
-        field = case.build()
-        outcomes: dict[str, Outcome] = {}
-        trial = Trial(case, field, declaration, outcomes)
-        for claim in CLAIMS:
-            if not claim.applies_to(case):
-                continue
-            for variant in ("plain", *claim.variants):
-                if variant not in outcomes:
-                    posed = pose(variant, case, field)
-                    outcomes[variant] = door.run(Request(case.id, variant, posed, case.isovalue))
-            yield case.id, claim.id, claim.judge(trial)

@@ -39,19 +39,9 @@ def pose_surfaces(variant: str, case: Case, field: Field) -> tuple[Field, float]
     return variants.pose(variant, field, case.isovalue)
 
 
-def _pose_contours(variant: str, case: Case, field: Field) -> tuple[Field, float]:
-    """The variant of a case of the discipline `contours`."""
-    return contours.pose(variant, field), case.isovalue
-
-
-def _pose_curves(variant: str, case: Case, field: Field) -> tuple[Field, float]:
-    """The variant of a case of the discipline `curves`."""
-    return curves.pose(variant, case, field), case.isovalue
-
-
-def _pose_simplices(variant: str, case: Case, field: Field) -> tuple[Field, float]:
-    """The variant of a case of the discipline `simplices`."""
-    return simplicial.pose(variant, case, field), case.isovalue
+def _with_isovalue(pose: Callable[[str, Case, Field], Field]) -> Pose:
+    """`pose`, where a variant changes the field and never the isovalue."""
+    return lambda variant, case, field: (pose(variant, case, field), case.isovalue)
 
 
 def _discipline(
@@ -68,9 +58,9 @@ def _discipline(
 
 DISCIPLINES: dict[str, Discipline] = {
     "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces),
-    "contours": _discipline(contours.cases, contours.CLAIMS, _pose_contours),
-    "curves": _discipline(curves.cases, curves.CLAIMS, _pose_curves),
-    "simplices": _discipline(simplicial.cases, simplicial.CLAIMS, _pose_simplices),
+    "contours": _discipline(contours.cases, contours.CLAIMS, _with_isovalue(contours.pose)),
+    "curves": _discipline(curves.cases, curves.CLAIMS, _with_isovalue(curves.pose)),
+    "simplices": _discipline(simplicial.cases, simplicial.CLAIMS, _with_isovalue(simplicial.pose)),
 }
 ALL_CLAIMS: dict[str, Claim] = {
     name: claim for one in DISCIPLINES.values() for name, claim in one.claims.items()

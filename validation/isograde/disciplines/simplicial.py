@@ -33,7 +33,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
 from typing import Any
@@ -43,14 +43,12 @@ from isoref.field import Field
 from isoref.mesh import Mesh
 from numpy.typing import NDArray
 
+from isograde.disciplines.polylines import declare
 from isograde.model import (
     Case,
     Claim,
-    Declaration,
-    Door,
     Finding,
     Outcome,
-    Request,
     Status,
     Trial,
     Verdict,
@@ -79,11 +77,7 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
     def extract(values: NDArray[Any], isovalue: float, spacing: tuple[float, ...]) -> Any:
         return function(values - isovalue if isovalue else values, tuple(spacing))
 
-    extract.declaration = {  # type: ignore[attr-defined]
-        "name": getattr(function, "__name__", "simplices"),
-        "discipline": "simplices",
-    }
-    return extract
+    return declare(extract, function, "simplices")
 
 
 # --- judges --------------------------------------------------------------------------------------
@@ -411,84 +405,8 @@ def pose(variant: str, case: Case, field: Field) -> Field:
     return field
 
 
-Graded = tuple[str, str, Finding]
-
-
-def grade(door: Door, declaration: Declaration, asked: Iterable[Case]) -> Iterator[Graded]:
-    """(case, claim, finding) of everything that is asked about these cases of an open door."""
-    for case in asked:
-        field = case.build()
-        outcomes: dict[str, Outcome] = {}
-        trial = Trial(case, field, declaration, outcomes)
-        for claim in CLAIMS:
-            if not claim.applies_to(case):
-                continue
-            for variant in ("plain", *claim.variants):
-                if variant not in outcomes:
-                    posed = pose(variant, case, field)
-                    outcomes[variant] = door.run(Request(case.id, variant, posed, case.isovalue))
-            yield case.id, claim.id, claim.judge(trial)
-
-
-# --- ready-made implementations ------------------------------------------------------------------
-
-
-def isoref_simplices(values: Any, spacing: tuple[float, ...], rule: str = "staircase") -> Any:
-    """The reference, `isoref.simplicial.extract`."""
-    from isoref.simplicial import extract
-
-    mesh = extract(Field.of(values, spacing, dimension=len(spacing)), rule=rule)
-    return mesh.vertices, mesh.simplices
-
-
-def isoref_printed_tables(values: Any, spacing: tuple[float, ...]) -> Any:
-    """The reference with Min's Tables 1 to 4 as printed."""
-    return isoref_simplices(values, spacing, "printed")
-
-
-def skimage_measure(values: Any, spacing: tuple[float, ...]) -> Any:
-    """scikit-image, for one component in the plane or in space."""
-    from skimage.measure import find_contours, marching_cubes
-
-    if len(values) != 1 or values.ndim not in (3, 4):
-        raise NotImplementedError("scikit-image has one component in the plane or in space")
-    if values.ndim == 3:
-        return _polylines(find_contours(values[0], 0.0, positive_orientation="high"), spacing)
-    if values.min() >= 0 or values.max() <= 0:
-        return np.empty((0, 3)), np.empty((0, 3), np.int64)
-    return marching_cubes(values[0], 0.0, spacing=spacing, gradient_direction="ascent")[:2]
-
-
-def contourpy_lines(values: Any, spacing: tuple[float, ...]) -> Any:
-    """contourpy, for one component in the plane."""
-    from contourpy import contour_generator
-
-    if len(values) != 1 or values.ndim != 3:
-        raise NotImplementedError("contourpy has one component in the plane")
-    # Its x runs along the second axis of the array; exchanging axes turns the lines about.
-    lines = contour_generator(z=values[0]).lines(0.0)
-    return _polylines([np.asarray(line)[::-1, ::-1] for line in lines], spacing)
-
-
-def _polylines(lines: Iterable[Any], spacing: tuple[float, ...]) -> Any:
-    """Shared points and segments of polylines that repeat their first point where they close."""
-    points, segments, start = [np.empty((0, 2))], [np.empty((0, 2), np.int64)], 0
-    for line in lines:
-        ring = len(line) > 2 and bool((line[0] == line[-1]).all())
-        count = len(line) - ring
-        follow = np.arange(count if ring else count - 1)
-        segments.append(start + np.stack([follow, (follow + 1) % count], axis=1))
-        points.append(line[:count])
-        start += count
-    return np.concatenate(points) * spacing, np.concatenate(segments)
-
-
-reference = through_door(isoref_simplices)
-printed = through_door(isoref_printed_tables)
-skimage = through_door(skimage_measure)
-contourpy = through_door(contourpy_lines)
-
+# Ready-made implementations, by short name.
 READY_MADE: Mapping[str, str] = {
-    f"simplices:{name}": f"python:isograde.disciplines.simplicial:{name}"
+    f"simplices:{name}": f"python:isograde.doors.simplex_methods:{name}"
     for name in ("reference", "printed", "skimage", "contourpy")
 }

@@ -1,0 +1,59 @@
+"""Polylines through a door: an answer of several (N, d) arrays as one pair of arrays.
+
+The pair is the points of all polylines (V, d) and, for each point, the number of its polyline
+(V, 1). The disciplines `contours` and `curves` share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from isograde.model import Outcome, Status
+
+Polylines = list[NDArray[np.float64]]
+Pair = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+
+def stacked(parts: Iterable[ArrayLike], d: int, kind: str) -> Pair:
+    """The points of all parts, and the number of each one's part.
+
+    Raises
+    ------
+    TypeError
+        for a part that is not (N, d); it is named by `kind` and its number.
+
+    >>> stacked([[[0, 0], [1, 0]], [[2, 2]]], 2, "contour")[1].ravel()
+    array([0, 0, 1])
+    """
+    arrays = [np.asarray(part, np.float64) for part in parts]
+    for number, array in enumerate(arrays):
+        if array.ndim != 2 or array.shape[1] != d:
+            raise TypeError(f"{kind} {number} has shape {array.shape}, not (N, {d})")
+    owner = np.repeat(np.arange(len(arrays)), [len(array) for array in arrays])
+    return np.concatenate([*arrays, np.empty((0, d))]), owner[:, None].astype(np.int64)
+
+
+def unstacked(outcome: Outcome, d: int) -> Polylines | None:
+    """The polylines of an outcome, or None where it holds none that can be judged."""
+    points, owner = outcome.vertices, outcome.faces
+    if outcome.status is not Status.OK or points is None or owner is None:
+        return None
+    if points.ndim != 2 or points.shape[1] != d or owner.shape != (len(points), 1):
+        return None
+    cuts = np.flatnonzero(np.diff(owner[:, 0])) + 1
+    return [part.astype(np.float64) for part in np.split(points, cuts) if len(part)]
+
+
+def declare(
+    extract: Callable[..., Any], function: Callable[..., Any], discipline: str
+) -> Callable[..., Any]:
+    """`extract`, marked as what the doors call for a third party's `function`."""
+    extract.declaration = {  # type: ignore[attr-defined]
+        "name": getattr(function, "__name__", discipline),
+        "discipline": discipline,
+    }
+    return extract
