@@ -9,6 +9,8 @@ from __future__ import annotations
 import difflib
 import inspect
 import sys
+from collections import Counter
+from collections.abc import Iterable
 from enum import IntEnum, StrEnum
 from pathlib import Path
 from typing import Annotated, NoReturn
@@ -334,12 +336,19 @@ def _explain(claim: Claim) -> None:
     tagged = f"cases tagged {', '.join(sorted(claim.tags))}"
     table.add_row("judged on", tagged if claim.tags else "every case")
     if claim.variants:
-        table.add_row("posed as", ", ".join(claim.variants))
+        table.add_row("posed as", ", ".join(_families(claim.variants)))
     if claim.unless:
         table.add_row("unless", f"declared without {', '.join(sorted(claim.unless))}")
-    table.add_row("passes", escape(inspect.getdoc(claim.judge) or ""))
+    if told := inspect.getdoc(claim.judge):
+        table.add_row("passes", escape(told))
     table.add_row("try it", f"isograde grade IMPLEMENTATION --only {claim.id}")
     console.print(table)
+
+
+def _families(names: Iterable[str]) -> list[str]:
+    """The names, those of one family (before the slash) counted under it."""
+    counts = Counter(name.split("/")[0] for name in names)
+    return [name if count == 1 else f"{name}/* ({count})" for name, count in counts.items()]
 
 
 def _weld(claim: Claim) -> str:
