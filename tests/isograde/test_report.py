@@ -137,6 +137,26 @@ def test_the_level_reached_ends_below_the_first_level_that_fails(report: Report)
     assert report.reached == 0
 
 
+@pytest.mark.parametrize(("claimed", "reached"), [(1, 1), (2, 2)])
+def test_a_level_promised_in_part_is_not_reached_above_what_is_claimed(
+    claimed: int, reached: int, report: Report
+) -> None:
+    """Design: nothing but pass counts as a pass."""
+    header = {
+        **report.header,
+        "implementation": {**report.header["implementation"], "level": claimed},
+    }
+    levels = {"structure.finite": 0, "topology.closed": 1, "cases.legal": 2, "symmetry.shift": 2}
+    claims = {name: {"id": name, "level": level, "held": True} for name, level in levels.items()}
+    result = {
+        "case": "a",
+        "passed": [name for name in levels if name != "cases.legal"],
+        "findings": [{"claim": "cases.legal", "verdict": "unsupported", "detail": "not promised"}],
+    }
+    case = {"a": {"samples": 8}}
+    assert Report(header, claims, case, [result]).reached == reached
+
+
 def test_a_claim_above_the_declared_level_is_shown_and_not_held(report: Report) -> None:
     """Issue 2: judged and shown, but not held against it."""
     assert not report.claims["topology.bilinear"]["held"]

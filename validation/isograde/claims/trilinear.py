@@ -89,6 +89,6 @@ CLAIMS = (
         level=4,
         judge=on_triangles(trilinear),
         tags=FAMILIES,
-        unless=frozenset({"on-edges", "welded"}),
+        unless=frozenset({"on-edges", "welded", "border"}),
     ),
 )

@@ -432,10 +432,15 @@ class Report:
 
     @property
     def reached(self) -> int | None:
-        """The highest level that holds with all levels below it; None when not even the lowest."""
+        """The highest level that holds with all levels below it; None when not even the lowest.
+
+        Above what the implementation claims, a level of which it promises only a part is not
+        reached.
+        """
         reached = None
+        claimed = self.header["implementation"]["level"]
         for rung in self.rungs:
-            if rung.state != "pass":
+            if rung.state != "pass" or (rung.level > claimed and rung.withheld):
                 break
             reached = rung.level
         return reached
