@@ -77,6 +77,68 @@ def extract(values, isovalue, spacing):
     faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     return vtk_to_numpy(surface.GetPoints().GetData()), faces
 """
+VTK_LABELS = """
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+
+def extract(values, isovalue, spacing):
+    labels = (values >= isovalue).astype(np.uint8)
+    image = vtk.vtkImageData()
+    image.SetDimensions(values.shape)
+    image.SetSpacing(spacing)
+    image.GetPointData().SetScalars(numpy_to_vtk(labels.ravel(order="F"), deep=True))
+    contour = vtk.{rest}()
+    contour.SetValue(0, 1)
+    if hasattr(contour, "SmoothingOff"):
+        contour.SmoothingOff()
+        contour.SetOutputMeshTypeToTriangles()
+    contour.SetInputData(image)
+    contour.Update()
+    surface = contour.GetOutput()
+    if surface.GetNumberOfCells() == 0:
+        return np.empty((0, 3)), np.empty((0, 3), int)
+    faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return vtk_to_numpy(surface.GetPoints().GetData()), faces
+"""
+PYMESHLAB = """
+import pymeshlab
+
+
+def formula(samples, axes="xyz"):
+    # MeshLab takes a field as a formula: look the sample up by its index along each axis.
+    if samples.ndim == 0:
+        return f"{{samples:.9g}}"
+    text = formula(samples[-1], axes[1:])
+    for index in reversed(range(len(samples) - 1)):
+        text = f"({{axes[0]}}<{{index + 0.5}}?{{formula(samples[index], axes[1:])}}:{{text}})"
+    return text
+
+
+def extract(values, isovalue, spacing):
+    meshes = pymeshlab.MeshSet()
+    low = dict(minx=0.0, miny=0.0, minz=0.0)
+    high = dict(zip(("maxx", "maxy", "maxz"), (n + 1.0 for n in values.shape)))
+    meshes.create_implicit_surface(
+        voxelsize=1.0, expr=formula(values.astype(float) - isovalue), **low, **high
+    )
+    mesh = meshes.current_mesh()
+    return mesh.vertex_matrix(), mesh.face_matrix()
+"""
+MANIFOLD3D = """
+from manifold3d import Manifold
+from scipy.ndimage import map_coordinates
+
+
+def extract(values, isovalue, spacing):
+    def at(*point):
+        index = [[x / h] for x, h in zip(point, spacing)]
+        return float(map_coordinates(values.astype(float), index, order=1, mode="nearest")[0])
+
+    box = [0.0, 0.0, 0.0, *((n - 1) * h for n, h in zip(values.shape, spacing))]
+    mesh = Manifold.level_set(at, box, min(spacing), level=isovalue).to_mesh()
+    return mesh.vert_properties[:, :3], mesh.tri_verts
+"""
 PYTHON = """
 from {module} import {function} as extract
 """
@@ -86,6 +148,12 @@ CALLS = {
     "pymcubes": PYMCUBES,
     "trimesh": TRIMESH,
     "libigl": LIBIGL,
+    "pymeshlab": PYMESHLAB,
+    "manifold3d": MANIFOLD3D,
+}
+LABEL_FILTERS = {
+    "vtk:discrete-marching-cubes": "vtkDiscreteMarchingCubes",
+    "vtk:surface-nets": "vtkSurfaceNets3D",
 }
 FILTERS = {
     "vtk:marching-cubes": "vtkMarchingCubes",
@@ -161,6 +229,8 @@ def calling(spec: str) -> str | None:
         return PYTHON.format(module=module, function=function) if "/" not in module else None
     if spec in FILTERS:
         return VTK.format(rest=FILTERS[spec])
+    if spec in LABEL_FILTERS:
+        return VTK_LABELS.format(rest=LABEL_FILTERS[spec])
     return CALLS[kind].format(rest=rest) if kind in CALLS else None
 
 
