@@ -15,7 +15,7 @@ help:
 	@echo "make quick       the tests that are not marked slow"
 	@echo "make lint        ruff and mypy"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
-	@echo "make reports     grade every ready-made implementation into reports/"
+	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make docs        the site, in docs/_build"
 	@echo "make benchmarks  speed and memory beside the peers"
 
@@ -43,7 +43,7 @@ papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
 reports: $(STAMP)
-	$(BIN)/isograde grade --all --out reports || [ $$? -eq 1 ]
+	$(BIN)/isograde grade --all --out reports/implementations || [ $$? -eq 1 ]
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

@@ -1,26 +1,18 @@
 """The reproduction of Ljung & Ynnerman, on small lattices."""
 
-import importlib.util
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-PROGRAM = Path(__file__).parents[2] / "papers" / "ljung_ynnerman" / "reproduce.py"
+from tests.papers.loading import importer
 
 
 @pytest.fixture(scope="module")
 def reproduce() -> ModuleType:
     """The program as a module."""
-    spec = importlib.util.spec_from_file_location("ljung_ynnerman_reproduce", PROGRAM)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return importer("ljung_ynnerman")("reproduce")
 
 
 def test_the_wave_number_brings_the_empty_share_to_the_printed_one(reproduce: ModuleType) -> None:

@@ -1,8 +1,6 @@
 """What the report on Min's paper rests on: the examples, their bounds and their tables."""
 
-import importlib
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,8 @@ from isograde.truths import simplices as truth
 from isoref.dyadic import dyadic_tree
 from isoref.simplicial import extract, to_mesh
 
+from tests.papers.loading import importer
+
 FOLDER = Path(__file__).parents[2] / "papers" / "min_2003"
 BOUNDED = ["cone", "helix", "lifted_spindle", "complex_circle", "two_spheres"]
 
@@ -20,8 +20,7 @@ BOUNDED = ["cone", "helix", "lifted_spindle", "complex_circle", "two_spheres"]
 @pytest.fixture(scope="module")
 def module() -> Callable[[str], Any]:
     """Imports a module of the paper's folder."""
-    sys.path.insert(0, str(FOLDER))
-    return importlib.import_module
+    return importer("min_2003")
 
 
 @pytest.fixture(scope="module")

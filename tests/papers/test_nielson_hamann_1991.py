@@ -1,10 +1,7 @@
 """What the report on Nielson & Hamann rests on: Table 1, the printed lists, the figures."""
 
-import importlib
-import sys
 from collections import Counter
 from collections.abc import Callable
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +14,8 @@ from isoref import asymptotic_decider as decider
 from isoref.field import Field
 from isoref.methods import METHODS
 
+from tests.papers.loading import importer
+
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "papers" / "nielson_hamann_1991"
 
@@ -24,9 +23,7 @@ FOLDER = ROOT / "papers" / "nielson_hamann_1991"
 @pytest.fixture(scope="module")
 def module() -> Callable[[str], Any]:
     """Imports a module of the paper's folder."""
-    if str(FOLDER) not in sys.path:
-        sys.path.insert(0, str(FOLDER))
-    return importlib.import_module
+    return importer("nielson_hamann_1991")
 
 
 # Table 1
@@ -170,14 +167,7 @@ def test_the_value_at_the_saddle_has_a_minus_where_the_scan_has_a_plus(
     module: Callable[[str], Any],
 ) -> None:
     """Section 2: B(S, T) = (B00 B11 - B10 B01) / D."""
-    module("nielson_lists")  # puts the folder on the path, for what the program imports
-    # Every paper has a program of this name: load this one under its own.
-    spec = spec_from_file_location("nielson_reproduce", FOLDER / "reproduce.py")
-    assert spec is not None
-    assert spec.loader is not None
-    program = module_from_spec(spec)
-    spec.loader.exec_module(program)
-    rows = program.formula_table().rows
+    rows = module("reproduce").formula_table().rows
     assert [row.verdict for row in rows] == ["differs", "within 1e-12"]
 
 

@@ -1,8 +1,6 @@
 """What the report on Schlei's VESTA rests on: counts, census, comparison, identities."""
 
-import importlib
 import json
-import sys
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +13,8 @@ from isoref.freeze_out import contour_stack, correspondence_problems
 from isoref.methods import METHODS
 from isoref.vesta import extract
 
+from tests.papers.loading import importer
+
 FOLDER = Path(__file__).parents[2] / "papers" / "schlei_2010"
 MODES = ("disconnect", "connect", "mixed")
 
@@ -22,8 +22,7 @@ MODES = ("disconnect", "connect", "mixed")
 @pytest.fixture(scope="module")
 def module() -> Callable[[str], Any]:
     """Imports a module of the paper's folder."""
-    sys.path.insert(0, str(FOLDER))
-    return importlib.import_module
+    return importer("schlei_2010")
 
 
 @pytest.fixture(scope="module")

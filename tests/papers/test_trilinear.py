@@ -1,8 +1,6 @@
 """What the page on the trilinear interpolant says, checked on samples."""
 
-import importlib
 import json
-import sys
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
@@ -19,6 +17,8 @@ from isograde.truths.trilinear_cases import classes, every_topology
 from isoref.cycles import cycles
 from numpy.typing import NDArray
 
+from tests.papers.loading import importer
+
 FOLDER = Path(__file__).parents[2] / "papers" / "trilinear"
 Floats = NDArray[np.float64]
 
@@ -26,8 +26,7 @@ Floats = NDArray[np.float64]
 @pytest.fixture(scope="module")
 def module() -> Callable[[str], Any]:
     """Imports a module of the paper's folder."""
-    sys.path.insert(0, str(FOLDER))
-    return importlib.import_module
+    return importer("trilinear")
 
 
 def saddle_cells(n: int, seed: int) -> Floats:

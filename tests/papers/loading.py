@@ -1,0 +1,38 @@
+"""The modules of a paper's folder, loaded as the paper's own program finds them."""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+PAPERS = Path(__file__).parents[2] / "papers"
+
+
+def importer(paper: str) -> Callable[[str], ModuleType]:
+    """A function that imports a module of this paper's folder by its name.
+
+    Every paper has a program `reproduce`: it is loaded under a name of its own.
+    """
+    folder = PAPERS / paper
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+
+    def load(name: str) -> ModuleType:
+        return _own(folder / f"{name}.py") if name == "reproduce" else importlib.import_module(name)
+
+    return load
+
+
+def _own(path: Path) -> ModuleType:
+    """The module of this file, loaded once, under the name of its folder and its own."""
+    name = f"{path.parent.name}_{path.stem}"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+    return sys.modules[name]
