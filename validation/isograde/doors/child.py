@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import re
 import select
 import signal
 import subprocess
@@ -146,7 +147,7 @@ class Child:
         file = self.errors if log == "errors" else self.prints
         size = os.fstat(file.fileno()).st_size
         text = os.pread(file.fileno(), QUOTED_BYTES, max(0, size - QUOTED_BYTES))
-        return text.decode(errors="replace").strip()
+        return without_folders(text.decode(errors="replace").strip())
 
     def finish(self, patience: float = 1.0) -> int | None:
         """The exit status of the child, which is asked to end and killed when it does not."""
@@ -225,6 +226,15 @@ class Child:
         """How it ended, with the end of what it said on stderr."""
         said = self.said()
         return f"{how}; last words: {said}" if said else how
+
+
+def without_folders(text: str) -> str:
+    """The text of a traceback with files named, but not the folders of the machine it came from.
+
+    >>> without_folders('File "/home/me/mine.py", line 3')
+    'File "mine.py", line 3'
+    """
+    return re.sub(r'File "[^"\n]*[/\\]([^"/\\\n]+)"', r'File "\1"', text)
 
 
 def _widen(*pipes: int) -> None:
