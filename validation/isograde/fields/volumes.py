@@ -22,6 +22,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -85,13 +86,11 @@ def _folders(volume: Volume) -> list[Path]:
     folders = []
     if os.environ.get("ISOGRADE_DATA"):
         folders.append(Path(os.environ["ISOGRADE_DATA"]))
-    if volume.package == "nibabel":
-        try:
-            from nibabel.testing import data_path
-        except ImportError:
-            pass  # The package is an extra: without it, its volumes are absent.
-        else:
-            folders.append(Path(data_path))
+    # The package is an extra: without it, its volumes are absent.
+    if volume.package == "nibabel" and find_spec("nibabel"):
+        from nibabel.testing import data_path
+
+        folders.append(Path(data_path))
     return [*folders, cache_folder()]
 
 
