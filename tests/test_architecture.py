@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ GRADER = ROOT / "validation" / "isograde"
 WORDS = {"isoref.field", "isoref.mesh"}
 # The doors and the command reach the reference as one more implementation; the proof takes a
 # rule of the reference as what it judges.
-MAY_REACH_THE_REFERENCE = {"doors", "command.py", "proof.py"}
+MAY_REACH_THE_REFERENCE = {"doors", "command.py", "commands", "proof.py"}
 EXTRAS = (
     "mcubes",
     "vtk",
@@ -35,6 +36,26 @@ def imports(path: Path) -> Iterator[str]:
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
             yield node.module
+
+
+def taken(path: Path) -> Iterator[str]:
+    """Every module a file imports, as one too where it is taken as a name out of its package."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (one.name for one in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            for one in node.names:
+                inner = f"{node.module}.{one.name}"
+                place = Path(*inner.split(".")).with_suffix(".py")
+                there = any((root / place).exists() for root in (REFERENCE.parent, GRADER.parent))
+                yield inner if there else node.module
+
+
+def name(path: Path) -> str:
+    """The name by which the module in this file is imported."""
+    root = REFERENCE.parent if path.is_relative_to(REFERENCE) else GRADER.parent
+    parts = path.relative_to(root).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def modules(package: Path) -> list[Path]:
@@ -58,6 +79,27 @@ def test_the_grader_takes_two_words_from_the_reference() -> None:
         if m.split(".")[0] == "isoref" and m not in WORDS
     ]
     assert not guilty
+
+
+@pytest.mark.parametrize("package", [REFERENCE, GRADER])
+def test_no_module_imports_itself_through_others(package: Path) -> None:
+    """Data flows one way, and so do imports, those inside functions too."""
+    paths = {name(path): path for path in modules(package)}
+    graph = {one: {other for other in taken(paths[one]) if other in paths} for one in paths}
+    assert sum(map(len, graph.values())) > 20
+    tuple(TopologicalSorter(graph).static_order())  # Raises CycleError, which names the cycle.
+
+
+@pytest.mark.parametrize("module", ["isograde.command", "isograde.check", "isograde.doors.worker"])
+def test_help_and_check_wait_for_nothing_they_do_not_use(module: str) -> None:
+    """A newcomer's first commands import neither SciPy nor what draws, writes or reads files."""
+    program = f"import sys, {module}; print(*{{one.split('.')[0] for one in sys.modules}})"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    heavy = {"scipy", "trimesh", "matplotlib", "jinja2", "jsonschema", "skimage"}
+    assert "numpy" in done.stdout.split()
+    assert not heavy & set(done.stdout.split())
 
 
 @pytest.mark.parametrize("package", ["isoref", "isograde"])

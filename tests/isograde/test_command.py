@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from isograde import command
 from isograde.command import app
+from isograde.commands import grading
 from isograde.disciplines.registry import ALL_CLAIMS as CLAIMS
 from isograde.doors import ready_made_names
 from isograde.report import record
@@ -239,8 +240,8 @@ def test_all_leaves_out_what_does_not_start_and_compares_the_rest(
 ) -> None:
     """A library that cannot load is named, and never stops the rest; nor does a discipline."""
     specs = ["isoref:asymptotic-decider", "absent", "isoref:lorensen-cline"]
-    monkeypatch.setattr(command, "ready_made_names", lambda: specs)
-    monkeypatch.setattr(command, "OTHERS", {"contours:skimage": ""})
+    monkeypatch.setattr(grading, "ready_made_names", lambda: specs)
+    monkeypatch.setattr(grading, "OTHERS", {"contours:skimage": ""})
     result = run("grade", "--all", "--only", "pairs/02*", "--out", tmp_path, "--format", "html")
     assert result.exit_code == 1, result.output
     names = {path.name for path in tmp_path.iterdir()}

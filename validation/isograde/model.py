@@ -243,6 +243,10 @@ class Limits:
     megabytes: int = 4096
 
 
+# An implementation in Python: a function of samples, isovalue and spacing (`doors.loading`).
+Extract = Callable[[NDArray[Any], float, tuple[float, ...]], Any]
+
+
 class DoorError(RuntimeError):
     """The implementation did not start; the message says why and what to install or change."""
 

@@ -25,17 +25,13 @@ import importlib
 import importlib.util
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from numpy.typing import NDArray
-
 from isograde.doors.declaring import declaration_from
-from isograde.model import Declaration, DoorError
-
-Extract = Callable[[NDArray[Any], float, tuple[float, ...]], Any]
+from isograde.doors.ready_made import READY_MADE
+from isograde.model import Declaration, DoorError, Extract
 
 # The system packages (Debian's names) that hold the shared libraries wheels do not bring along.
 SYSTEM_PACKAGES = {
@@ -62,8 +58,6 @@ def load(spec: str) -> tuple[Extract, Declaration]:
     """The function that `spec` names, and what it declares; raises `DoorError`."""
     if spec.startswith("python:"):
         return _load_python(spec)
-    from isograde.doors.ready_made import READY_MADE
-
     ready = READY_MADE[spec]
     try:
         return ready.load(), ready.declaration(spec)

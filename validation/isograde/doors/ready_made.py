@@ -20,8 +20,7 @@ from isoref.field import Field
 from isoref.methods import METHODS
 from numpy.typing import NDArray
 
-from isograde.doors.loading import Extract
-from isograde.model import Conventions, Declaration
+from isograde.model import Conventions, Declaration, Extract
 
 Values = NDArray[Any]
 Spacing = tuple[float, ...]

@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 from isograde.doors.answers import AnswerError, arrays_from
 from isograde.doors.declaring import declaration_json
 from isograde.doors.frames import Arrays, Header, pack, unpack
-from isograde.doors.loading import Extract, load
-from isograde.model import DoorError, Status
+from isograde.doors.loading import load
+from isograde.model import DoorError, Extract, Status
 
 # A worker whose grader is gone ends itself this long after the time limit.
 GRACE_SECONDS = 10.0

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from isoref.field import Floats
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy.special import stdtrit
 
 from isograde.truths.halfedges import Surface
 
@@ -47,7 +47,7 @@ def observed_order(h: ArrayLike, error: ArrayLike) -> Order:
     slope = float(deviation @ y / (deviation @ deviation))
     residual = y - y.mean() - slope * deviation
     spread = np.sqrt(residual @ residual / (n - 2) / (deviation @ deviation))
-    half = float(stats.t.ppf(0.975, n - 2) * spread)
+    half = float(stdtrit(n - 2, 0.975) * spread)
     return Order(slope, slope - half, slope + half)
 
 

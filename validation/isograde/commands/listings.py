@@ -1,17 +1,21 @@
-"""What `isograde list` shows, as tables."""
+"""What `isograde list` and `isograde explain` show."""
 
 from __future__ import annotations
 
+import difflib
+import inspect
+from collections import Counter
 from collections.abc import Iterable
 
 from rich.markup import escape
 from rich.table import Table
 
+from isograde.commands.console import Exit, console, stop
 from isograde.disciplines.registry import ALL_CLAIMS, DISCIPLINES
 from isograde.disciplines.registry import READY_MADE as OTHERS
 from isograde.doors.ready_made import READY_MADE
 from isograde.fields import volumes
-from isograde.model import LEVELS, Case
+from isograde.model import LEVELS, Case, Claim
 
 
 def _table(*columns: str) -> Table:
@@ -80,3 +84,49 @@ def levels() -> Table:
     for level, (name, promise) in LEVELS.items():
         table.add_row(str(level), name, promise)
     return table
+
+
+def explain(name: str) -> None:
+    """The claim of this id is printed, or every claim of this family."""
+    found = [c for known, c in ALL_CLAIMS.items() if name in (known, known.split(".")[0])]
+    if not found:
+        close = difflib.get_close_matches(name, ALL_CLAIMS, n=3, cutoff=0.4)
+        hint = f"did you mean {', '.join(close)}?" if close else "`isograde list claims`"
+        stop(Exit.WRONG_USE, f"no claim {name!r}; {hint}")
+    for one in found:
+        _explain(one)
+
+
+def _explain(claim: Claim) -> None:
+    """Print one claim."""
+    console.print(f"\n[bold]{claim.id}[/]\n{escape(claim.rule)}\n")
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    table.add_column(style="dim", no_wrap=True)
+    table.add_column(overflow="fold")
+    level = "beside the ladder"
+    if claim.level is not None:
+        level = f"{claim.level}, {LEVELS[claim.level][0]}: {LEVELS[claim.level][1]}"
+    table.add_row("level", level)
+    table.add_row("source", escape(claim.source))
+    table.add_row("vertices", f"count as one {_weld(claim)}")
+    tagged = f"cases tagged {', '.join(sorted(claim.tags))}"
+    table.add_row("judged on", tagged if claim.tags else "every case")
+    if claim.variants:
+        table.add_row("posed as", ", ".join(_families(claim.variants)))
+    if claim.unless:
+        table.add_row("unless", f"declared without {', '.join(sorted(claim.unless))}")
+    if told := inspect.getdoc(claim.judge):
+        table.add_row("passes", escape(told))
+    table.add_row("try it", f"isograde grade IMPLEMENTATION --only {claim.id}")
+    console.print(table)
+
+
+def _families(names: Iterable[str]) -> list[str]:
+    """The names, those of one family (before the slash) counted under it."""
+    counts = Counter(name.split("/")[0] for name in names)
+    return [name if count == 1 else f"{name}/* ({count})" for name, count in counts.items()]
+
+
+def _weld(claim: Claim) -> str:
+    """When two vertices count as one."""
+    return "where they share an index" if claim.weld == "as given" else "where they coincide"

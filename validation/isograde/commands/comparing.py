@@ -1,0 +1,66 @@
+"""What `isograde diff` and `isograde compare` do: reports are read and laid beside each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from isograde import report as reports
+from isograde.commands.console import Exit, console, errors, say, stop
+from isograde.report import comparison, record, words
+
+
+def _read(path: Path) -> record.Report:
+    """The report in a file or in a folder."""
+    place = path / "report.jsonl" if path.is_dir() else path
+    try:
+        found = record.read(place)
+    except record.ReportError as error:
+        stop(Exit.WRONG_USE, str(error))
+    if found.footer is None:
+        errors.print(f"[yellow]{escape(str(place))} was cut off: it has no footer[/]")
+    return found
+
+
+def diff(before: Path, after: Path) -> None:
+    """What changed between two reports is printed; status 1 where a case broke."""
+    old, new = _read(before), _read(after)
+    found = comparison.changes(old, new)
+    for change in found:
+        say(f"[bold]{change.claim}[/]: {change.before} → {change.after}")
+        for colour, word, cases in (
+            ("red", "broke", change.broken),
+            ("green", "mended", change.mended),
+        ):
+            shown = ", ".join(cases[:5]) + (f" and {len(cases) - 5} more" if len(cases) > 5 else "")
+            if cases:
+                say(f"  [{colour}]{len(cases)} {word}[/]: {escape(shown)}")
+    if not found:
+        say("no case that both judged went from good to bad or back")
+    raise typer.Exit(Exit.FAILS if any(change.broken for change in found) else Exit.HOLDS)
+
+
+def compare(files: list[Path], out: Path | None) -> None:
+    """Reports are printed side by side, or written to `out`."""
+    found = [_read(path) for path in files]
+    if out is not None:
+        if out.suffix not in {".html", ".md"}:
+            stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
+        page = comparison.comparison_page(found, [""] * len(found))
+        text = page if out.suffix == ".html" else comparison.markdown_table(found)
+        say(f"comparison: [bold]{escape(str(reports.write_whole(out, text)))}[/]")
+        return
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("claim", no_wrap=True)
+    for one in found:
+        table.add_column(escape(one.name))
+    table.add_row("reached", *(words.reached(one) for one in found))
+    colour = {"pass": "green", "fail": "red"}
+    for claim in comparison.claims_of(found):
+        marks = [comparison.mark(one, claim) for one in found]
+        cells = [f"[{colour.get(s, 'dim')}]{share or s}[/]" for s, share in marks]
+        table.add_row(claim, *cells)
+    console.print(table)

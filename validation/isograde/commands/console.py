@@ -1,0 +1,50 @@
+"""What the commands share: how they speak, and with which status they leave."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from collections.abc import Iterable
+from enum import IntEnum
+from typing import NoReturn
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+# Leave tables room where nobody's window sets a width.
+console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+
+class Exit(IntEnum):
+    """Exit status of the command; 70, as sysexits.h has it, where the command itself broke."""
+
+    HOLDS = 0
+    FAILS = 1
+    WRONG_USE = 2
+    NOT_STARTED = 3
+    NOTHING_RAN = 4
+    BROKEN = 70
+
+
+def stop(status: Exit, message: str) -> NoReturn:
+    """Say why and leave with this status."""
+    errors.print(f"[bold red]isograde:[/] {escape(message)}")
+    raise typer.Exit(status)
+
+
+def say(text: str) -> None:
+    """Print a line, however long it is."""
+    console.print(text, soft_wrap=True)
+
+
+def close_to(name: str, names: Iterable[str]) -> str:
+    """Which of the names may have been meant, or what there is.
+
+    >>> close_to("mane", ["name", "other"]), close_to("x", ["name", "other"])
+    ('did you mean name?', 'there are name, other')
+    """
+    known = list(names)
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"did you mean {close[0]}?" if close else f"there are {', '.join(known)}"

@@ -1,0 +1,122 @@
+"""What `isograde grade` does: one implementation, or all that are ready made."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import typer
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from isograde import report as reports
+from isograde.commands.console import Exit, console, errors, say, stop
+from isograde.disciplines.registry import READY_MADE as OTHERS
+from isograde.doors import ready_made_names
+from isograde.grading import grade
+from isograde.model import DoorError
+from isograde.report import comparison, record, words
+from isograde.runner import BAD, NothingToRun, Options
+
+
+def grade_one(spec: str, options: Options, out: Path, kinds: list[str]) -> None:
+    """One implementation graded, its report written and told."""
+    result = _grade(spec, options, out / "report.jsonl")
+    pages = reports.write(result, out, "report", kinds)
+    _tell(result)
+    shown = pages[0] if pages else out / "report.jsonl"
+    say(f"\nreport: [bold]{escape(str(shown))}[/]")
+    raise typer.Exit(Exit.FAILS if result.broken else Exit.HOLDS)
+
+
+def _grade(spec: str, options: Options, path: Path) -> record.Report:
+    """The report of one implementation, with a bar while it is made."""
+    try:
+        with _progress() as bar:
+            task = bar.add_task(spec, total=None, bad="")
+
+            def watch(done: int, total: int, tally: record.Tally) -> None:
+                bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
+                bar.update(task, completed=done, total=total, bad=f"{bad} bad" if bad else "")
+
+            return grade(spec, options, path, arguments=sys.argv[1:], watch=watch)
+    except DoorError as error:
+        stop(Exit.NOT_STARTED, str(error))
+    except NothingToRun as error:
+        stop(Exit.NOTHING_RAN, str(error.args[0]))
+    except OSError as error:
+        stop(Exit.WRONG_USE, f"{path} cannot be written: {error}")
+
+
+def _progress() -> Progress:
+    """A bar that is there only on a terminal, and gone when it is done."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("[red]{task.fields[bad]}"),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
+
+
+def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
+    """Every ready-made implementation graded, a page each, and a comparison."""
+    done: dict[str, record.Report] = {}
+    absent: dict[str, str] = {}
+    for spec in [*ready_made_names(), *OTHERS]:
+        stem = spec.replace(":", "-")
+        try:
+            done[stem] = _grade_quietly(spec, options, out / f"{stem}.jsonl.gz")
+        except DoorError as error:
+            absent[spec] = str(error)
+            errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
+            continue
+        except NothingToRun:
+            continue  # What was asked for belongs to another discipline.
+        reports.write(done[stem], out, stem, kinds)
+        say(f"{escape(spec):40} {words.reached(done[stem])}")
+    if not done:
+        stop(Exit.NOT_STARTED if absent else Exit.NOTHING_RAN, "no implementation was graded")
+    links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
+    found = list(done.values())
+    page = comparison.comparison_page(found, links, absent)
+    place = reports.write_whole(out / "comparison.html", page)
+    reports.write_whole(out / "comparison.md", comparison.markdown_table(found))
+    say(f"\ncomparison: [bold]{escape(str(place))}[/]")
+    raise typer.Exit(Exit.FAILS if any(one.broken for one in found) else Exit.HOLDS)
+
+
+def _grade_quietly(spec: str, options: Options, path: Path) -> record.Report:
+    """The report of one implementation of many. Raises `DoorError`."""
+    with _progress() as bar:
+        task = bar.add_task(spec, total=None, bad="")
+        return grade(
+            spec,
+            options,
+            path,
+            arguments=sys.argv[1:],
+            watch=lambda done, total, _: bar.update(task, completed=done, total=total),
+        )
+
+
+def _tell(result: record.Report) -> None:
+    """Print the ladder and what failed."""
+    say(f"[bold]{escape(result.name)}[/]: {words.reached(result)}")
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    colours = {"pass": "green", "fail": "red", "not judged": "dim"}
+    for rung in reversed(result.rungs):
+        held = sum(summary.state == "pass" for summary in rung.summaries)
+        count = f"{held} of {len(rung.summaries)}" if rung.summaries else ""
+        state = f"[{colours[rung.state]}]{'holds' if rung.state == 'pass' else rung.state}[/]"
+        table.add_row(str(rung.level), rung.name, state, count)
+    console.print(table)
+    for summary in result.failures:
+        failure = summary.failure
+        assert failure is not None
+        colour = "red" if summary.claim["held"] else "dim"
+        say(
+            f"[{colour}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
+            f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
+        )
