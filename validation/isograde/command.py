@@ -123,12 +123,15 @@ def export_(
     variants: Annotated[
         bool, typer.Option("--variants", help="Every way a case is posed, not only the plain one.")
     ] = False,
+    discipline: Annotated[
+        str, typer.Option(help="What shall be made: surfaces, contours, curves or simplices.")
+    ] = "surfaces",
 ) -> None:
     """Write the fields as files, to be judged later as dir:DIR."""
     from isograde.commands import exporting
     from isograde.runner import Options
 
-    exporting.export(folder, Options(seed, full, tuple(only or ())), variants)
+    exporting.export(folder, Options(seed, full, tuple(only or ())), variants, discipline)
 
 
 @app.command(name="frequencies")

@@ -11,7 +11,8 @@ answer      one array a contour, its points in order; a closed contour repeats i
 
 It goes through the doors like any other: declare ``{"discipline": "contours"}`` and name it
 ``python:my.module:extract_contours``. Inside, `through_door` makes of it a function that answers
-with arrays of points and contour numbers.
+with arrays of points and contour numbers. Programs behind ``exec:`` and folders behind ``dir:``
+give these arrays as they stand: `LAYOUT` says how.
 
 The four rules for an ambiguous square, whose inside corners are opposite ones: *separate* them,
 *join* them, join them where the *mean* of the four samples is inside (Schlei), or where the
@@ -35,7 +36,7 @@ from isoref.field import Field
 from numpy.typing import NDArray
 
 from isograde.claims.evidence import VERDICT_OF, failed, passed
-from isograde.disciplines.polylines import declare, stacked, unstacked
+from isograde.disciplines.polylines import complaint, declare, stacked, unstacked
 from isograde.model import (
     Case,
     Claim,
@@ -55,6 +56,17 @@ RULES = ("separate", "join", "mean", "saddle")
 
 # --- through the doors ---------------------------------------------------------------------------
 
+# What a manifest says of requests and answers.
+LAYOUT: Mapping[str, str] = {
+    "values": "npy in C order, (N1, N2)",
+    "inside": "value >= isovalue, on the left of a contour when axis 0 points right and axis 1 up",
+    "vertices": "origin + index * spacing (V, 2): all points, one contour after the other; a "
+    "closed contour repeats its first point",
+    "faces": "for each point the number of its contour, (V,) or (V, 1)",
+    "answer": "beside the values, same name: .vertices.npy and .faces.npy",
+    "no contour": "arrays without points; a missing file counts as unsupported",
+}
+
 
 def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
     """`function` as the doors call it.
@@ -67,7 +79,6 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         return stacked(function(values, isovalue, tuple(spacing)), 2, "contour")
 
-    extract.stacked = True  # type: ignore[attr-defined]
     return declare(extract, function, "contours")
 
 
@@ -246,24 +257,14 @@ def area(contours: Contours, known: Mapping[str, Any]) -> Finding:
 
 def same_transposed(contours: Contours, transposed: Contours) -> Finding:
     """The transposed field has the same segments, with their coordinates exchanged."""
-    one = _unordered(planar.segments(contours))
-    other = _unordered(planar.segments(transposed)[..., ::-1])
-    if one.shape != other.shape:
+    one = planar.segments(contours)
+    other = planar.segments(transposed)[..., ::-1]
+    if len(one) != len(other):
         return failed(f"{len(one)} segments, {len(other)} of the transposed field")
-    worst = float(np.abs(one - other).max(initial=0.0))
+    worst = max(planar.farthest(one, other), planar.farthest(other, one))
     if worst > planar.SNAP:
         return failed(f"segments differ by up to {worst:.3g} of an edge", worst=worst)
     return passed(segments=len(one))
-
-
-def _unordered(parts: Points) -> Points:
-    """(n, 4) segments with their lower end first, in the order of their squares."""
-    coarse = np.round(parts, 3)
-    flip = (coarse[:, 0, 0] > coarse[:, 1, 0]) | (
-        (coarse[:, 0, 0] == coarse[:, 1, 0]) & (coarse[:, 0, 1] > coarse[:, 1, 1])
-    )
-    turned = np.where(flip[:, None, None], parts[:, ::-1], parts).reshape(-1, 4)
-    return turned[np.lexsort(np.round(turned, 3).T)]
 
 
 # --- cases ---------------------------------------------------------------------------------------
@@ -427,8 +428,8 @@ def _judged(name: str, judge: Callable[[Contours, Trial], Finding]) -> Callable[
     def decide(trial: Trial) -> Finding:
         contours = indexed(trial, "plain")
         if contours is None:
-            detail = trial.plain.detail or "the answer is no list of contours"
-            return Finding(VERDICT_OF.get(trial.plain.status, Verdict.FAIL), detail)
+            verdict = VERDICT_OF.get(trial.plain.status, Verdict.FAIL)
+            return Finding(verdict, complaint(trial.plain, 2))
         if name != "well-formed" and well_formed(contours).verdict is Verdict.FAIL:
             return Finding(Verdict.NOT_RUN, "the contours are not well formed")
         return judge(contours, trial)

@@ -10,7 +10,8 @@ answer      one array a curve, its points in order; a closed curve repeats its f
 
 It goes through the doors like any other: declare ``{"discipline": "curves"}`` and name it
 ``python:my.module:extract_curves``. Inside, `through_door` makes of it a function of one array (the
-fields stacked) that answers with arrays of points and curve numbers.
+fields stacked) that answers with arrays of points and curve numbers. Programs behind ``exec:`` and
+folders behind ``dir:`` get and give these arrays as they stand: `LAYOUT` says how.
 
 Glossary
 --------
@@ -38,7 +39,7 @@ import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
 
-from isograde.disciplines.polylines import declare, stacked, unstacked
+from isograde.disciplines.polylines import complaint, declare, stacked, unstacked
 from isograde.model import (
     Case,
     Claim,
@@ -64,6 +65,17 @@ LEAST_ORDER = 1.4
 
 # --- through the doors ---------------------------------------------------------------------------
 
+# What a manifest says of requests and answers.
+LAYOUT: Mapping[str, str] = {
+    "values": "npy in C order, (2, N1, N2, N3): the first field, then the second; where the "
+    "second isovalue differs from the first, (3, N1, N2, N3): the third holds nothing but it",
+    "vertices": "origin + index * spacing (V, 3): all points, one curve after the other; a closed "
+    "curve repeats its first point",
+    "faces": "for each point the number of its curve, (V,) or (V, 1)",
+    "answer": "beside the values, same name: .vertices.npy and .faces.npy",
+    "no curve": "arrays without points; a missing file counts as unsupported",
+}
+
 
 def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
     """`function` as the doors call it: stacked values (2, N1, N2, N3), one isovalue, spacing.
@@ -79,7 +91,6 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
         answer = function(values[0], values[1], isovalue, second, tuple(spacing))
         return stacked(answer, 3, "curve")
 
-    extract.stacked = True  # type: ignore[attr-defined]
     return declare(extract, function, "curves")
 
 
@@ -352,8 +363,7 @@ def _judged(judge: Callable[[Curves, Trial], Finding]) -> Callable[[Trial], Find
     def decide(trial: Trial) -> Finding:
         curves = polylines(trial.plain)
         if curves is None:
-            detail = trial.plain.detail or "the answer is no list of curves"
-            return Finding(_verdict(trial.plain.status), detail)
+            return Finding(_verdict(trial.plain.status), complaint(trial.plain, 3))
         return judge(curves, trial)
 
     return decide

@@ -1,7 +1,9 @@
 """Polylines through a door: an answer of several (N, d) arrays as one pair of arrays.
 
-The pair is the points of all polylines (V, d) and, for each point, the number of its polyline
-(V, 1). The disciplines `contours` and `curves` share it.
+The pair is the points of all polylines (V, d), one polyline after the other, and for each point the
+number of its polyline (V,) or (V, 1). It takes the places of vertices and faces. Python functions
+return a list of arrays, and `stacked` makes the pair; programs and folders give the pair. The
+disciplines `contours` and `curves` share it.
 """
 
 from __future__ import annotations
@@ -40,18 +42,35 @@ def stacked(parts: Iterable[ArrayLike], d: int, kind: str) -> Pair:
 def unstacked(outcome: Outcome, d: int) -> Polylines | None:
     """The polylines of an outcome, or None where it holds none that can be judged."""
     points, owner = outcome.vertices, outcome.faces
+    if points is None or owner is None or complaint(outcome, d):
+        return None
+    cuts = np.flatnonzero(np.diff(owner.reshape(-1))) + 1
+    return [part.astype(np.float64) for part in np.split(points.reshape(-1, d), cuts) if len(part)]
+
+
+def complaint(outcome: Outcome, d: int) -> str:
+    """Why the outcome holds no polylines in d dimensions; nothing where it does.
+
+    >>> complaint(Outcome(Status.OK, np.zeros((3, 2)), np.zeros((3, 1), int)), 2)
+    ''
+    """
+    points, owner = outcome.vertices, outcome.faces
     if outcome.status is not Status.OK or points is None or owner is None:
-        return None
-    if points.ndim != 2 or points.shape[1] != d or owner.shape != (len(points), 1):
-        return None
-    cuts = np.flatnonzero(np.diff(owner[:, 0])) + 1
-    return [part.astype(np.float64) for part in np.split(points, cuts) if len(part)]
+        return outcome.detail or "no arrays came back"
+    if points.size == owner.size == 0:
+        return ""
+    if points.ndim != 2 or points.shape[1] != d:
+        return f"the points have shape {points.shape}, not (V, {d})"
+    if owner.shape not in {(len(points),), (len(points), 1)}:
+        return f"the numbers have shape {owner.shape}: one for each of {len(points)} points is due"
+    return ""
 
 
 def declare(
     extract: Callable[..., Any], function: Callable[..., Any], discipline: str
 ) -> Callable[..., Any]:
     """`extract`, marked as what the doors call for a third party's `function`."""
+    extract.adapted = True  # type: ignore[attr-defined]
     extract.declaration = {  # type: ignore[attr-defined]
         "name": getattr(function, "__name__", discipline),
         "discipline": discipline,

@@ -27,11 +27,13 @@ class Discipline:
     cases : every case by id, for a seed
     claims : every claim by id
     pose : the field and the isovalue of a variant of a case; None where the values do not allow it
+    layout : how samples and answers stand in files, for the manifest of an exported folder
     """
 
     cases: Callable[[int], Mapping[str, Case]]
     claims: Mapping[str, Claim]
     pose: Pose
+    layout: Mapping[str, str]
 
 
 def pose_surfaces(variant: str, case: Case, field: Field) -> tuple[Field, float] | None:
@@ -45,7 +47,10 @@ def _with_isovalue(pose: Callable[[str, Case, Field], Field]) -> Pose:
 
 
 def _discipline(
-    cases: Callable[[int], list[Case]], claims: Iterable[Claim], pose: Pose
+    cases: Callable[[int], list[Case]],
+    claims: Iterable[Claim],
+    pose: Callable[[str, Case, Field], Field],
+    layout: Mapping[str, str],
 ) -> Discipline:
     """The discipline of these, its cases listed once for each seed."""
 
@@ -53,14 +58,23 @@ def _discipline(
     def by_id(seed: int) -> dict[str, Case]:
         return {case.id: case for case in cases(seed)}
 
-    return Discipline(by_id, {claim.id: claim for claim in claims}, pose)
+    return Discipline(by_id, {claim.id: claim for claim in claims}, _with_isovalue(pose), layout)
 
 
+SURFACES = {
+    "inside": "value >= isovalue",
+    "vertices": "origin + index * spacing, coordinates in the order of the array's axes",
+    "faces": "rows of three 0-based indices; right-hand normals point to lower values",
+    "values": "npy in C order, last axis fastest; the nrrd's first axis is the array's first",
+    "answer": "beside the values, same name: .ply .obj .off .stl, or .vertices.npy and .faces.npy",
+    "no surface": "a mesh without vertices and faces; a missing file counts as unsupported",
+}
 DISCIPLINES: dict[str, Discipline] = {
-    "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces),
-    "contours": _discipline(contours.cases, contours.CLAIMS, _with_isovalue(contours.pose)),
-    "curves": _discipline(curves.cases, curves.CLAIMS, _with_isovalue(curves.pose)),
-    "simplices": _discipline(simplicial.cases, simplicial.CLAIMS, _with_isovalue(simplicial.pose)),
+    "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces, SURFACES),
+    **{
+        name: _discipline(module.cases, module.CLAIMS, module.pose, module.LAYOUT)
+        for name, module in (("contours", contours), ("curves", curves), ("simplices", simplicial))
+    },
 }
 ALL_CLAIMS: dict[str, Claim] = {
     name: claim for one in DISCIPLINES.values() for name, claim in one.claims.items()
@@ -76,5 +90,5 @@ def discipline(name: str) -> Discipline:
     """The discipline of this name. Raises `DoorError` for an implementation of an unknown one."""
     if name not in DISCIPLINES:
         known = ", ".join(DISCIPLINES)
-        raise DoorError(f"it declares the discipline {name!r}; there are {known}")
+        raise DoorError(f"no discipline {name!r}; there are {known}")
     return DISCIPLINES[name]

@@ -9,11 +9,10 @@ spacing     n floats; a vertex is ``index * spacing``, in the order of the array
 vertices    (V, n) numbers
 simplices   (S, n - m + 1) rows of indices into `vertices`, of the set where all components are 0
 
-It goes through the doors like any other: `through_door` drops the isovalue, which is always 0::
-
-    extract = through_door(extract_simplices)       # then: python:my.module:extract
-
-To decline a dimension or a codimension, raise `NotImplementedError`.
+It goes through the doors like any other: declare ``{"discipline": "simplices"}`` and name it
+``python:my.module:extract_simplices``. Inside, `through_door` drops the isovalue, which is always
+0. Programs behind ``exec:`` and folders behind ``dir:`` see `LAYOUT`. To decline a dimension or a
+codimension, raise `NotImplementedError`, or answer "unsupported".
 
 Glossary
 --------
@@ -69,6 +68,16 @@ LEAST_ORDER = 1.4
 
 
 # --- through the doors ---------------------------------------------------------------------------
+
+# What a manifest says of requests and answers.
+LAYOUT: Mapping[str, str] = {
+    "values": "npy in C order, (m, N1, .., Nn): the surface is where all m components are 0",
+    "vertices": "origin + index * spacing (V, n), coordinates in the order of the array's axes",
+    "faces": "rows of n - m + 1 0-based indices; with the negated gradients before them, the "
+    "simplex's edges have a positive determinant",
+    "answer": "beside the values, same name: .vertices.npy and .faces.npy",
+    "no simplex": "arrays without rows; a missing file counts as unsupported",
+}
 
 
 def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:

@@ -10,7 +10,8 @@ each field; the door reads them. No program of ours is needed in between::
     folder/cells/outside/137.vertices.npy and 137.faces.npy     or a pair of arrays
     folder/declaration.json           optional: what the implementation says of itself
 
-Vertices are ``origin + index * spacing`` in the order of the array's axes, faces are 0-based, and
+The manifest names the discipline and says how its samples and answers are laid out. For surfaces,
+vertices are ``origin + index * spacing`` in the order of the array's axes, faces are 0-based, and
 right-hand normals point to lower values, unless the declaration says otherwise. A field without a
 mesh counts as declined: no answer is not an empty mesh.
 """
@@ -21,7 +22,7 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,14 +37,7 @@ from isograde.model import Case, Declaration, DoorError, Limits, Outcome, Reques
 
 MANIFEST = "manifest.json"
 DECLARATION = "declaration.json"
-CONVENTIONS = {
-    "inside": "value >= isovalue",
-    "vertices": "origin + index * spacing, coordinates in the order of the array's axes",
-    "faces": "rows of three 0-based indices; right-hand normals point to lower values",
-    "values": "npy in C order, last axis fastest; the nrrd's first axis is the array's first",
-    "answer": "beside the values, same name: .ply .obj .off .stl, or .vertices.npy and .faces.npy",
-    "no surface": "a mesh without vertices and faces; a missing file counts as unsupported",
-}
+ANSWER = "beside the values, same name: .ply .obj .off .stl, or .vertices.npy and .faces.npy"
 
 
 class DirectoryDoor:
@@ -62,12 +56,11 @@ class DirectoryDoor:
         manifest = self._json(MANIFEST, "write one with `isograde export`")
         check_json(manifest, "manifest", str(self._folder / MANIFEST))
         self._entries = {(entry["id"], entry["variant"]): entry for entry in manifest["fields"]}
-        if (self._folder / DECLARATION).exists():
-            self.declaration = declaration_from(self._json(DECLARATION, ""), self.spec)
+        self.declaration = self._declared(manifest.get("discipline", "surfaces"))
         if self.answered() == 0:
             raise DoorError(
                 f"{self._folder}: no mesh beside any of the {len(self._entries)} fields; "
-                f"{CONVENTIONS['answer']}"
+                f"put each {ANSWER}"
             )
         return self.declaration
 
@@ -124,6 +117,19 @@ class DirectoryDoor:
         faces = path.with_name(path.name.replace(".vertices.npy", ".faces.npy"))
         return arrays_in(path, faces, limit)
 
+    def _declared(self, discipline: str) -> Declaration:
+        """The declaration beside the manifest, or the least one for its discipline."""
+        if not (self._folder / DECLARATION).exists():
+            return Declaration(self.spec, discipline=discipline)
+        said = {"discipline": discipline, **self._json(DECLARATION, "")}
+        declared = declaration_from(said, self.spec)
+        if declared.discipline != discipline:
+            raise DoorError(
+                f"{self._folder / DECLARATION} declares {declared.discipline}, but the folder "
+                f"holds {discipline}: `isograde export --discipline {declared.discipline}`"
+            )
+        return declared
+
     def _json(self, name: str, hint: str) -> Any:
         """The contents of a JSON file in the folder; raises `DoorError`."""
         path = self._folder / name
@@ -142,11 +148,16 @@ def _answers(values: Path) -> list[Path]:
     return [values.with_name(name) for name in names if values.with_name(name).exists()]
 
 
-def export(directory: Path, fields: Iterable[Case | Request]) -> int:
+def export(
+    directory: Path,
+    fields: Iterable[Case | Request],
+    discipline: str = "surfaces",
+    layout: Mapping[str, str] | None = None,
+) -> int:
     """The folder holds these fields and a manifest; their number.
 
-    Cases are written as they stand, requests with their variant. The folder appears whole or not
-    at all.
+    Cases are written as they stand, requests with their variant; `layout` tells the reader of the
+    manifest how samples and answers stand in files. The folder appears whole or not at all.
 
     Raises
     ------
@@ -159,7 +170,8 @@ def export(directory: Path, fields: Iterable[Case | Request]) -> int:
     stage.mkdir(parents=True)
     try:
         entries = [_write(stage, _request(field)) for field in fields]
-        manifest = {"format": 1, "conventions": CONVENTIONS, "fields": entries}
+        said = {"discipline": discipline, "conventions": dict(layout or {})}
+        manifest = {"format": 1, **said, "fields": entries}
         text = json.dumps(manifest, indent=1)
         (stage / MANIFEST).write_text(text + "\n", encoding="utf-8")
         os.replace(stage, directory)

@@ -19,6 +19,11 @@ themselves, ``{"error": ..}``, or ``{"unsupported": ..}`` for a field the progra
 Vertices are ``index * spacing`` in the order of the array's axes unless the declaration says
 otherwise; the grader adds the origin.
 
+Other disciplines differ in what the arrays hold, and in nothing else. A field of m components has
+the shape [m, N1, .., Nn]. Polylines are the pair of all their points and, for each point, the
+number of its polyline. The manifest of ``isograde export --discipline curves`` says how it is for
+curves, and so on (`LAYOUT` in the modules of `isograde.disciplines`). None has mesh files.
+
 Standard output belongs to the protocol: any other line on it is garbage and costs the case.
 Messages for people go to standard error, which is kept. The program runs until it is told to stop
 or its input ends; remember to flush after each line.

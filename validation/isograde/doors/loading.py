@@ -15,8 +15,8 @@ Name it ``python:package.module:function`` or ``python:path/to/file.py:function`
 It may say what it is in a declaration (`isograde.doors.declaring`): a dictionary, or a function
 without parameters that returns one, found as an attribute ``declaration`` of the function, or
 else under the name ``declaration`` in its module. To decline a field, raise `NotImplementedError`.
-With ``{"discipline": "curves"}`` or ``"contours"`` the function has that discipline's own signature
-(`isograde.disciplines`).
+With ``{"discipline": "curves"}``, ``"contours"`` or ``"simplices"`` the function has that
+discipline's own signature (`isograde.disciplines`).
 """
 
 from __future__ import annotations
@@ -109,13 +109,14 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
 
 
 # Disciplines whose functions have a signature of their own, adapted by their `through_door`.
-OWN_SIGNATURE = ("curves", "contours")
+OWN_SIGNATURE = {"curves": "curves", "contours": "contours", "simplices": "simplicial"}
 
 
 def _as_called(function: Any, declaration: Declaration) -> Extract:
     """The function as the worker calls it, whatever the signature of its discipline."""
-    if declaration.discipline in OWN_SIGNATURE and not getattr(function, "stacked", False):
-        discipline = importlib.import_module(f"isograde.disciplines.{declaration.discipline}")
+    name = declaration.discipline
+    if name in OWN_SIGNATURE and not getattr(function, "adapted", False):
+        discipline = importlib.import_module(f"isograde.disciplines.{OWN_SIGNATURE[name]}")
         adapted: Extract = discipline.through_door(function)
         return adapted
     extract: Extract = function

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 Points = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -39,6 +40,20 @@ def segments(contours: Sequence[Points]) -> Points:
     """(n, 2, 2) the segments of all contours."""
     pieces = [np.stack([c[:-1], c[1:]], axis=1) for c in contours if len(c) > 1]
     return np.concatenate([*pieces, np.empty((0, 2, 2))])
+
+
+def farthest(parts: Points, others: Points) -> float:
+    """The greatest difference in a coordinate between a segment and the other one most like it.
+
+    Segments may run either way. Without others it is infinite, without segments 0.
+
+    >>> farthest(np.array([[[0, 0], [1, 2]]]), np.array([[[1, 2], [0, 0.5]]]))
+    0.5
+    """
+    both = np.concatenate([others, others[:, ::-1]]).reshape(-1, 4)
+    if not len(parts) or not len(both):
+        return np.inf if len(parts) else 0.0
+    return float(KDTree(both).query(parts.reshape(-1, 4), p=np.inf)[0].max())
 
 
 def crossings(parts: Points, shape: tuple[int, ...], axis: int) -> Integers:
