@@ -53,7 +53,7 @@ def farthest(parts: Points, others: Points) -> float:
     both = np.concatenate([others, others[:, ::-1]]).reshape(-1, 4)
     if not len(parts) or not len(both):
         return np.inf if len(parts) else 0.0
-    return float(KDTree(both).query(parts.reshape(-1, 4), p=np.inf)[0].max())
+    return float(np.max(KDTree(both).query(parts.reshape(-1, 4), p=np.inf)[0]))
 
 
 def crossings(parts: Points, shape: tuple[int, ...], axis: int) -> Integers:
