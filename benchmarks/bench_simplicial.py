@@ -22,8 +22,14 @@ from stopwatch import interleave, peak_memory
 
 Make = Callable[[], Mesh]
 
-PEERS = """A cell is six tetrahedra here, and makes more triangles than a cube does. The general
-machinery costs more than a table of cubes; `isoref.sweep` is the module for surfaces in space."""
+GROWTH = """A leaf is a cell that the surface may meet, so leaves follow the area of the surface. A
+wide box is tested where its parent, twice as wide, could not be ruled out: on the first levels
+that is everywhere, and the law shows only where boxes are small beside the surface. Seconds at
+small N are the fixed cost of calls."""
+
+PEERS = """Kuhn's triangulation cuts a cell into six tetrahedra, which make more triangles than a cube
+does. The general machinery costs more than a table of cubes; `isoref.sweep` is the module for
+surfaces in space."""
 
 
 def two_spheres(x: Floats) -> Floats:
@@ -105,19 +111,38 @@ def tree_of(samples: Samples, bound: SlopeBound) -> Make:
 
 
 def growth(small: bool) -> list[str]:
-    """Exponents of boxes and simplices over N, beside n - m = 2."""
-    lines = ["| field | sizes | leaves | simplices |", "| --- | --- | --: | --: |"]
+    """Leaves and boxes of trees by size, and their exponents beside n - m = 2."""
+    lines = [
+        "| field | N | leaves | exponent | boxes tested | exponent | CPU s | exponent |",
+        "| --- | --: | --: | --: | --: | --: | --: | --: |",
+    ]
+    fits = ["| field | sizes | leaves | boxes tested | CPU s |", "| --- | --- | --: | --: | --: |"]
     for name, make, sizes in (
-        ("4-D, m = 2", spheres_4d, (8, 16, 32) if small else (16, 32, 64, 128)),
-        ("5-D, m = 3", spindle_5d, (4, 8, 16) if small else (8, 16, 32, 64)),
+        ("4-D, m = 2", spheres_4d, (8, 16, 32, 64) if small else (8, 16, 32, 64, 128, 256, 512)),
+        ("5-D, m = 3", spindle_5d, (4, 8, 16) if small else (4, 8, 16, 32, 64, 128)),
     ):
-        trees = [dyadic_tree(*make(N)) for N in sizes]
-        leaves = exponent(sizes, [len(tree.leaves) for tree in trees])
-        counts = [len(extract_dyadic(*make(N)).simplices) for N in sizes[:3]]
-        found = exponent(sizes[:3], counts)
-        lines.append(f"| {name} | {sizes} | {leaves:.2f} | {found:.2f} |")
-        print(lines[-1], flush=True)
-    return lines
+        counts = np.array([tree_cost(*make(N)) for N in sizes])
+        slopes = np.diff(np.log2(counts), axis=0)
+        for i, (N, (leaves, tested, seconds)) in enumerate(zip(sizes, counts, strict=True)):
+            a, b, c = (f"{slope:.2f}" for slope in slopes[i - 1]) if i else ("", "", "")
+            lines.append(
+                f"| {name} | {N} | {leaves:,.0f} | {a} | {tested:,.0f} | {b} | {seconds:.3f} | {c} |"
+            )
+            print(lines[-1], flush=True)
+        for few in (slice(None), slice(-4, None)):
+            found = " | ".join(f"{exponent(sizes[few], column):.2f}" for column in counts[few].T)
+            fits.append(f"| {name} | {', '.join(map(str, sizes[few]))} | {found} |")
+    return [*lines, "", "Fitted over all sizes, and over the four largest:", "", *fits]
+
+
+def tree_cost(samples: Samples, bound: SlopeBound) -> tuple[int, int, float]:
+    """Leaves, boxes tested, and least CPU seconds of three runs."""
+    seconds = np.inf
+    for _ in range(3):
+        start = time.process_time()
+        tree = dyadic_tree(samples, bound)
+        seconds = min(seconds, time.process_time() - start)
+    return len(tree.leaves), tree.tested, seconds
 
 
 def exponent(sizes: Sequence[int], numbers: Sequence[float]) -> float:
@@ -162,11 +187,10 @@ def main() -> None:
         "",
     ]
     parts += ["## Cost by size", "", *scale(options.small), ""]
-    parts += ["## Growth: exponents of N, n - m = 2", "", *growth(options.small), ""]
-    parts += [
-        "Kuhn's triangulation cuts a crossed cell into more triangles than marching cubes do:"
-    ]
-    parts += ["six tetrahedra to a cell.", "", *peers(64 if options.small else 128, 5), ""]
+    parts += ["## Growth of the tree: exponents of N, n - m = 2", "", *growth(options.small), ""]
+    parts += [*GROWTH.splitlines(), ""]
+    parts += ["## Peers in space", "", *peers(64 if options.small else 128, 5), ""]
+    parts += [*PEERS.splitlines(), ""]
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "simplicial.md").write_text("\n".join(parts), encoding="utf-8")
     print(f"wrote {options.out / 'simplicial.md'}")

@@ -24,11 +24,17 @@ Two things may be chosen: what is known of the samples, and where they are teste
             change across the whole box
 `centre`    it goes if phi at its middle sample is farther from 0 than phi can change from the
             middle to a corner: half as far, and two samples instead of 2^n (the second, at the
-            highest corner, only checks the bound)
+            highest corner, only checks the bound). Cells have no middle sample; those that the
+            bound leaves go too unless every component takes both signs on their corners
 
 Both are safe. Let x be a point of the box: phi^(x) is an average of samples phi(w) at samples w
 of the box. If phi(v) is farther from 0 than phi can change from v to any w, then all phi(w)
 have the sign of phi(v) in that component, and so has their average: x is not on the surface.
+
+A box of side s is kept where a tube of width ~ s round the surface reaches, so a level has about
+s^(m-n) boxes: 2^(n-m) times those of the level above. On the first levels the tube is the whole
+domain and nothing goes. The counts of boxes tested follow the law from where the tube is slim;
+those of leaves do so from the start.
 
 Glossary
 --------
@@ -36,7 +42,7 @@ side        edge of a box in sample steps, a power of two; boxes end at the bord
 extent      edges of a box in sample steps, one an axis
 L           Lipschitz constant: max |phi(b) - phi(a)| / |b - a|, both in the maximum norm
 spread      the most a component can differ between samples this far apart
-leaf        a box of side 1: a cell
+leaf        a box of side 1 that was kept: a cell
 
 Invariants
 ----------
@@ -66,10 +72,14 @@ from isoref.simplicial import (
     Complex,
     Isovalue,
     Sampler,
+    allowed_memory,
     check_input,
+    check_memory,
     checked_values,
     levels,
     section_of_cells,
+    sign_bits,
+    straddles,
     to_mesh,
     weld,
     zeroed,
@@ -80,6 +90,10 @@ Slopes = Callable[[Integers, Integers], Floats]
 
 # Boxes tested at once with all their corners: what fits the cache matters more than the number.
 BLOCK = 1 << 15
+
+# Bytes of a box and an axis while a level is made: the corners before and after boxes beyond the
+# lattice are left out, and the corners that are kept.
+BOX_BYTES = 3 * 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,17 +226,24 @@ def global_slopes(field: Field) -> SlopeBound:
     >>> global_slopes(Field.of([[0.0, 1.0], [1.0, 3.0]])).slopes
     array([[2., 2.]])
     """
-    return SlopeBound(
-        np.stack([s.max(axis=tuple(range(1, s.ndim))) for s in _steps(field)], axis=1)
-    )
+    axes = range(field.dimension)
+    largest = [_steps(field, axis).reshape(field.components, -1).max(axis=1) for axis in axes]
+    return SlopeBound(np.stack(largest, axis=1))
 
 
-def local_slopes(field: Field) -> SlopeBound:
+def local_slopes(field: Field, memory: int | None = None) -> SlopeBound:
     """The largest change of each component in one step along each axis, box by box.
 
-    Maxima of cells, of blocks of 2^n cells, and so on: a look-up for every box of the tree.
+    Maxima of cells, of blocks of 2^n cells, and so on: a look-up for every box of the tree. It
+    takes about n + 2 times the memory of the field as float64, of the bytes in `memory` or of
+    what the machine has free; a `FieldError` says beforehand where that is too little.
     """
-    cells = np.stack([_to_cells(s, axis) for axis, s in enumerate(_steps(field))], axis=1)
+    m, n = field.components, field.dimension
+    needed = (n + 2) * field.values.size * 8
+    check_memory(needed, allowed_memory(memory), f"a look-up of slopes over {field.shape} samples")
+    cells = np.empty((m, n, *(N - 1 for N in field.shape)))
+    for axis in range(n):
+        cells[:, axis] = _to_cells(_steps(field, axis), axis)
     pyramid = [cells]
     while max(pyramid[-1].shape[2:]) > 1:
         pyramid.append(_halved(pyramid[-1]))
@@ -236,10 +257,11 @@ def local_slopes(field: Field) -> SlopeBound:
     return SlopeBound(slopes)
 
 
-def _steps(field: Field) -> list[Floats]:
-    """For each axis the absolute change of each sample to the next one."""
-    values = field.values.reshape(field.components, *field.shape).astype(np.float64)
-    return [np.abs(np.diff(values, axis=1 + axis)) for axis in range(field.dimension)]
+def _steps(field: Field, axis: int) -> Floats:
+    """The absolute change of each sample to the next one along `axis`, (m, N1, .., Nn)."""
+    values = field.values.reshape(field.components, *field.shape).astype(np.float64, copy=False)
+    steps = np.diff(values, axis=1 + axis)
+    return np.abs(steps, out=steps)
 
 
 def _to_cells(steps: Floats, axis: int) -> Floats:
@@ -306,16 +328,19 @@ def dyadic_tree(
     bound: Bound,
     isovalue: Isovalue = 0.0,
     test: Literal["corners", "centre"] = "centre",
+    memory: int | None = None,
 ) -> Tree:
     """The tree of boxes that may meet the isosurface (section 6).
 
     Raises
     ------
     FieldError
-        for bad samples, or where two samples contradict the bound.
+        for bad samples, where two samples contradict the bound, or before a level of boxes that
+        is too large for the memory.
     """
     check_input(samples.shape, samples.components)
     level = levels(isovalue, samples.components)
+    allowed = allowed_memory(memory)
     n, cells = len(samples.shape), np.array(samples.shape) - 1
     probe = _Prober(samples, bound, level, test)
     side = 1 << int(cells.max() - 1).bit_length()
@@ -325,12 +350,14 @@ def dyadic_tree(
     tested = 0
     while True:
         tested += len(low)
-        low = low[probe.may_meet(low, clipped(low, side, samples.shape))]
+        low = low[probe.may_meet(low, side)]
         sides.append(side)
         boxes.append(low)
         if side == 1:
             return Tree(sides, boxes, tested)
         side //= 2
+        children = len(low) << n
+        check_memory(BOX_BYTES * n * children, allowed, f"a level of {children:,} boxes")
         low = (low[:, None] + side * corner_offsets(n)).reshape(-1, n)
         low = low[(low < cells).all(axis=1)]
 
@@ -354,7 +381,7 @@ def extract_dyadic(
     >>> extract_dyadic(Samples.of_field(field), local_slopes(field), 300.0)
     Mesh(234 vertices in R^2, 234 simplices of dimension 1)
     """
-    tree = dyadic_tree(samples, bound, isovalue, test)
+    tree = dyadic_tree(samples, bound, isovalue, test, memory)
     return to_mesh(
         section_of_leaves(samples, tree, isovalue, rule, epsilon, memory),
         samples.spacing,
@@ -389,9 +416,11 @@ class _Prober:
     level: Floats
     test: str
 
-    def may_meet(self, low: Integers, high: Integers) -> Booleans:
-        """Which boxes (B, n) to (B, n) the bound cannot rule out."""
-        one = self._by_corners if self.test == "corners" else self._by_centre
+    def may_meet(self, low: Integers, side: int) -> Booleans:
+        """Which boxes, low corners (B, n), cannot be ruled out."""
+        in_cells = self._by_signs if side == 1 else self._by_centre
+        one = self._by_corners if self.test == "corners" else in_cells
+        high = clipped(low, side, self.samples.shape)
         kept = [
             one(low[start : start + BLOCK], high[start : start + BLOCK])
             for start in range(0, len(low), BLOCK)
@@ -401,8 +430,12 @@ class _Prober:
     def _values(self, numbers: Integers) -> Floats:
         """Phi minus the isovalue at samples of any shape (..), each computed once: (.., m)."""
         distinct, places = weld(numbers.ravel())
-        values = checked_values(self.samples.at(distinct) - self.level)
+        values = self._minus_level(distinct)
         return np.asarray(values[places].reshape(*numbers.shape, values.shape[1]))
+
+    def _minus_level(self, numbers: Integers) -> Floats:
+        """Phi minus the isovalue at samples (P,), (P, m)."""
+        return checked_values(self.samples.at(numbers) - self.level)
 
     def _by_corners(self, low: Integers, high: Integers) -> Booleans:
         """The paper's test."""
@@ -418,6 +451,16 @@ class _Prober:
         reach = self.bound.spread(high - centre, low, high)
         self._check(np.abs(corner - middle), reach, centre, high)
         return np.asarray((np.abs(middle) <= reach).all(axis=1))
+
+    def _by_signs(self, low: Integers, high: Integers) -> Booleans:
+        """The test of cells: signs at all corners, asked where the lowest one leaves it open."""
+        near = np.flatnonzero(self._by_centre(low, high))
+        numbers = corner_numbers(low[near], high[near], self.samples.shape)
+        distinct, places = weld(numbers.ravel())
+        bits = sign_bits(self._minus_level(distinct))
+        kept = np.zeros(len(low), bool)
+        kept[near] = straddles(bits[places].reshape(numbers.shape).T, self.samples.components)
+        return kept
 
     def _check(self, change: Floats, spread: Floats, low: Integers, high: Integers) -> None:
         """Nothing, where samples change by no more than the bound says; else a `FieldError`."""

@@ -42,6 +42,7 @@ References
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import factorial
@@ -72,8 +73,15 @@ State = dict[Name, Floats]  # the point and the values of each vertex
 # Cells that are cut together: enough for NumPy to be fast, few enough to stay in the cache.
 BLOCK = 1 << 14
 
-# How many times the size of the result is alive at the highest, when the blocks are put together.
-COPIES = 3
+# How many times its size a complex takes: the result while blocks are put together, the largest
+# of a block's complexes while it is cut.
+JOINING, CUTTING = 3.5, 6.0
+
+# Bytes a sample that the search for active cells takes: five arrays of signs.
+PASS_BYTES = 5
+
+# A trial cuts runs of neighbouring cells, evenly spread: one cell in 16, in 16 to 64 runs.
+RUN, SHARE, LEAST_RUNS, MOST_RUNS = 16, 16, 16, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +127,7 @@ def extract(
     ------
     FieldError
         for more components than axes, a lattice one sample thick, an isovalue that is no finite
-        number, or a surface too large for the memory.
+        number, or, before it is made, a surface that is too large for the memory.
 
     >>> i, j = np.indices((5, 5))
     >>> extract(Field.of((i - 2) ** 2 + (j - 2) ** 2), 2.5)
@@ -144,6 +152,8 @@ def section_of_field(
     def sample(numbers: Integers) -> Floats:
         return zeroed(flat[:, numbers].T.astype(np.float64) - level, epsilon)
 
+    samples = flat.shape[1]
+    check_memory(PASS_BYTES * samples, allowed_memory(memory), f"one pass over {samples:,} samples")
     cells = active_cells(field, level)
     return section_of_cells(field.shape, cells, sample, rule, epsilon, memory)
 
@@ -160,15 +170,22 @@ def section_of_cells(
 
     `sample` gives the values (P, m), minus the isovalue, of the samples with numbers (P,).
     """
-    allowed = psutil.virtual_memory().available if memory is None else memory
-    parts: list[Complex] = []
-    for start in range(0, max(len(cells), 1), BLOCK):
-        part = kuhn_complex(shape, cells[start : start + BLOCK], sample)
-        while part.values.shape[1]:
-            part = section(part, rule, epsilon)
-        parts.append(part)
-        check_memory(parts, min(start + BLOCK, len(cells)), len(cells), allowed)
-    return united(parts)
+
+    def cut(block: Integers) -> Iterator[Complex]:
+        return successive_sections(kuhn_complex(shape, block, sample), rule, epsilon)
+
+    needed, allowed = estimated_bytes(cut, cells), allowed_memory(memory)
+    check_memory(needed, allowed, f"the isosurface in {len(cells):,} cells")
+    starts = range(0, max(len(cells), 1), BLOCK)
+    return united([deque(cut(cells[start : start + BLOCK]), maxlen=1).pop() for start in starts])
+
+
+def successive_sections(complex_: Complex, rule: str, epsilon: float | None) -> Iterator[Complex]:
+    """The complex, its section by its first value, .., and last its section by all its values."""
+    yield complex_
+    while complex_.values.shape[1]:
+        complex_ = section(complex_, rule, epsilon)
+        yield complex_
 
 
 def united(parts: list[Complex]) -> Complex:
@@ -346,22 +363,33 @@ def checked_values(values: Floats) -> Floats:
     return values
 
 
-def check_memory(parts: list[Complex], done: int, cells: int, allowed: int) -> None:
-    """Nothing, where the result will fit; else a `FieldError` with the numbers.
+def allowed_memory(memory: int | None) -> int:
+    """The bytes that may be used: those given, or what the machine has free."""
+    return int(psutil.virtual_memory().available) if memory is None else memory
 
-    The cells that are done tell what the others will take.
-    """
-    bytes_ = sum(
-        array.nbytes
-        for part in parts
-        for array in (part.names, part.points, part.simplices, part.signs, part.parents)
-    )
-    needed = COPIES * bytes_ * cells // max(done, 1)
+
+def check_memory(needed: float, allowed: int, what: str) -> None:
+    """Nothing, where `what` fits in the memory allowed; else a `FieldError` with the numbers."""
     if needed > allowed:
         raise FieldError(
-            f"the isosurface in {cells:,} cells needs about {needed:,} bytes (seen from {done:,} "
-            f"of them), but {allowed:,} are allowed; take a coarser lattice or a part of it"
+            f"{what} needs about {int(needed):,} bytes, but {allowed:,} are allowed; "
+            "take a coarser lattice or a part of it"
         )
+
+
+def estimated_bytes(cut: Callable[[Integers], Iterator[Complex]], cells: Integers) -> float:
+    """About how many bytes the isosurface in these cells takes at the highest, from a trial."""
+    runs = min(max(len(cells) // (SHARE * RUN), LEAST_RUNS), MOST_RUNS)
+    starts = np.linspace(0, max(len(cells) - RUN, 0), runs).astype(np.int64)
+    tried = np.unique(starts[:, None] + np.arange(min(RUN, len(cells))))
+    sizes = [bytes_of(part) / max(len(tried), 1) for part in cut(cells[tried])]
+    whole, block = JOINING * sizes[-1] * len(cells), CUTTING * max(sizes) * min(BLOCK, len(cells))
+    return max(whole, block)
+
+
+def bytes_of(complex_: Complex) -> int:
+    """The bytes of the arrays of a complex."""
+    return sum(array.nbytes for array in vars(complex_).values())
 
 
 def active_cells(field: Field, level: Floats) -> Integers:

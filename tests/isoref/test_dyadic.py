@@ -18,7 +18,7 @@ from isoref.dyadic import (
     lipschitz_constant,
     local_slopes,
 )
-from isoref.simplicial import extract
+from isoref.simplicial import active_cells, extract
 
 BOUNDS = ["paper", "slopes", "local"]
 
@@ -150,6 +150,40 @@ def test_boxes_of_a_curve_double_with_the_resolution() -> None:
     assert len(tree.leaves) < tree.stored_samples(samples.shape) < 65**2
 
 
+def clifford(x: np.ndarray) -> np.ndarray:
+    """The Clifford torus |z1| = |z2| = 1 in C^2 = R^4, (P, 2)."""
+    return np.stack([1 - x[:, 0] ** 2 - x[:, 1] ** 2, 1 - x[:, 2] ** 2 - x[:, 3] ** 2], axis=1)
+
+
+def tree_of_torus(N: int) -> Tree:
+    """The Clifford torus on N cells a side of [-1.3, 1.3]^4, by its steepest slopes there."""
+    h = 2.6 / N
+    slopes = 2 * 1.3 * h * np.array([[1, 1, 0, 0], [0, 0, 1, 1]])
+    return dyadic_tree(
+        Samples.of_function(clifford, (N + 1,) * 4, h, [-1.3] * 4), SlopeBound(slopes)
+    )
+
+
+def test_leaves_of_a_surface_in_four_dimensions_grow_as_its_area() -> None:
+    """Section 6: N^(n-m), here N^2; over four sizes, and more nearly with each doubling."""
+    sizes = [8, 16, 32, 64]
+    leaves = np.log2([len(tree_of_torus(N).leaves) for N in sizes])
+    assert abs(np.polyfit(np.log2(sizes), leaves, 1)[0] - 2) < 0.15
+    off = abs(np.diff(leaves) - 2)
+    assert (np.diff(off) < 0).all()
+    assert off[-1] < 0.1
+
+
+@given(seed=st.integers(0, 10**6), bound=st.sampled_from(BOUNDS))
+def test_leaves_are_the_cells_where_every_component_takes_both_signs(seed: int, bound: str) -> None:
+    """No fewer, and with the test of all corners no more."""
+    rng = np.random.default_rng(seed)
+    field = Field.of(rng.integers(-2, 3, size=(2, *rng.integers(2, 7, 3))) * 1.0, dimension=3)
+    tree = dyadic_tree(Samples.of_field(field), bound_of(bound, field))
+    leaves = np.sort(np.ravel_multi_index(tuple(tree.leaves.T), field.shape))
+    np.testing.assert_array_equal(leaves, active_cells(field, np.zeros(2)))
+
+
 def test_a_surface_that_is_nowhere_is_found_out_at_the_first_box() -> None:
     """Section 6: if phi exceeds L * 2N at a corner, there is nothing more to do."""
     field = Field.of(np.full((9, 9), 5.0) + np.indices((9, 9))[0] * 0.1)
@@ -187,6 +221,17 @@ def test_bad_input_is_refused_with_a_reason() -> None:
     thin = Samples.of_function(lambda x: x[:, :1], (4, 1))
     with pytest.raises(FieldError, match="1 sample thick along axis 1"):
         dyadic_tree(thin, LipschitzBound(1.0))
+
+
+def test_memory_that_would_not_suffice_is_refused_beforehand() -> None:
+    """A level of the tree, the isosurface in the leaves, and the look-up of slopes."""
     samples, _ = tree_of_circle(16)
-    with pytest.raises(FieldError, match="but 100 are allowed"):
-        extract_dyadic(samples, SlopeBound(np.full((1, 2), 2 / 16)), memory=100)
+    bound = SlopeBound(np.full((1, 2), 2 / 16))
+    with pytest.raises(FieldError, match="a level of 4 boxes needs about 192 bytes, but 100 are"):
+        extract_dyadic(samples, bound, memory=100)
+    with pytest.raises(
+        FieldError, match=r"the isosurface in 44 cells needs about .* but 9,999 are"
+    ):
+        extract_dyadic(samples, bound, memory=9999)
+    with pytest.raises(FieldError, match=r"slopes .* samples needs about 2,592 bytes, but 100 are"):
+        local_slopes(Field.of(np.zeros((9, 9))), memory=100)

@@ -1,5 +1,7 @@
 """Isosurfaces in any dimension and codimension are manifolds where they should be."""
 
+import re
+import tracemalloc
 from collections.abc import Callable
 from itertools import product
 from math import factorial, pi
@@ -348,5 +350,32 @@ def test_bad_input_is_refused_with_a_reason() -> None:
         extract(Field.of(np.zeros((4, 4))), [1, 2, 3])
     with pytest.raises(FieldError, match="not finite"):
         extract(Field.of(np.zeros((4, 4))), float("nan"))
-    with pytest.raises(FieldError, match=r"6 cells needs about .* but 1,000 are"):
+
+
+def test_memory_that_would_not_suffice_is_refused_before_anything_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With the numbers: of the pass over the samples, and of the isosurface after a trial."""
+    monkeypatch.delattr("isoref.simplicial.united")
+    with pytest.raises(
+        FieldError, match=r"one pass over 48 samples needs about 240 bytes, but 200"
+    ):
+        extract(noise(4, 1, 0), memory=200)
+    with pytest.raises(FieldError, match=r"6 cells needs about .* but 1,000 are allowed; take a"):
         extract(noise(4, 1, 0), memory=1000)
+
+
+@pytest.mark.parametrize(
+    ("n", "m", "N"), [(2, 1, 200), (3, 1, 24), (3, 2, 24), (3, 3, 24), (4, 2, 8), (5, 3, 4)]
+)
+def test_the_memory_estimated_is_about_the_memory_used(n: int, m: int, N: int) -> None:
+    """A trial on a share of the cells tells the highest use, as Python traces it, to a factor."""
+    field = Field.of(np.random.default_rng(n).normal(size=(m, *(N,) * n)), dimension=n)
+    with pytest.raises(FieldError, match="the isosurface in") as refused:
+        extract(field, memory=5 * N**n)
+    estimated = int(re.findall(r"about ([\d,]+) bytes", str(refused.value))[0].replace(",", ""))
+    tracemalloc.start()
+    extract(field)
+    used = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert 0.8 * used < estimated < 2 * used
