@@ -3,14 +3,16 @@
 Twice. `sweep_plain` is the obvious triple loop, to be read; `sweep` is the same in NumPy, to be
 used. Both give the same mesh, triangle by triangle, up to the numbering of the vertices.
 
-The vectorised sweep goes through the volume in *slabs* of planes, small enough that their
-intermediate arrays stay in the processor's cache, and does as little as it can for each voxel:
-it compares, finds the few cells the surface passes through, and works on those alone.
+The vectorised sweep goes through the volume twice, in *slabs* of planes small enough that their
+intermediate arrays stay in the processor's cache. The first pass does what must be done for each
+voxel: it compares, and finds the few cells the surface passes through. Then the size of the mesh
+is known, and the second pass writes it into its final arrays, working on the active cells alone.
 
 Glossary
 --------
-point       a lattice point of the slab, by its flat index
+point       a lattice point, by its flat index in its slab
 cell        named by its lower corner's point
+signs       eight bits, one a corner: whether it is inside (`isoref.cube`)
 active      a cell with corners on both sides
 owner       each lattice edge belongs to the cell at its lower end, so no vertex is made twice and
             none has to be searched for: vertices are numbered by a running count
@@ -34,7 +36,9 @@ from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, c
 from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
 
-SLAB_POINTS = 1 << 20
+# Points of a slab and active cells worked on at once: both fit the processor's second cache.
+SLAB_POINTS = 1 << 18
+BLOCK_CELLS = 1 << 14
 
 
 def least_inside(dtype: np.dtype[Any], isovalue: float) -> Any:
@@ -157,7 +161,7 @@ def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
 
     Raises `FieldError` for a field that is not a scalar volume or an isovalue that is no number.
     """
-    return sweep_with_cells(rule, field, isovalue)[0]
+    return _swept(rule, field, isovalue, with_cells=False)[0]
 
 
 def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
@@ -166,26 +170,26 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
     A cell is given by its flat index in the lattice of cells, (N1-1) x (N2-1) x (N3-1), and
     triangles come in that order.
     """
+    return _swept(rule, field, isovalue, with_cells=True)
+
+
+def _swept(rule: Rule, field: Field, isovalue: float, with_cells: bool) -> tuple[Mesh, Integers]:
+    """The rule's surface, and the cells of its triangles where they are wanted."""
     _check_volume(field)
     isovalue = check_isovalue(isovalue)
     if min(field.shape) < 2:
         return Mesh.empty(3, 2), np.empty(0, np.int64)
-    tiles = _Tiles(rule)
-    pieces = list(_pieces(tiles, field, isovalue))
-    vertices = np.concatenate([piece.vertices for piece in pieces])
-    triangles = np.concatenate([piece.triangles for piece in pieces])
-    cells = np.concatenate([piece.cells for piece in pieces])
-    having = np.concatenate([piece.having for piece in pieces], axis=1)
-    if having.size:
-        # Number the interior points behind the crossings: so far they count down from -1.
-        triangles = np.where(triangles < 0, len(vertices) - 1 - triangles, triangles)
-        interior = _interior_points(tiles, field, isovalue, having[:3], having[3])
-        vertices = np.concatenate([vertices, interior])
-    return Mesh(vertices, triangles), cells
+    volume, tiles = _Volume.of(field, isovalue), _Tiles(rule)
+    slabs = list(_find(volume, tiles))
+    surface = _Surface(volume, tiles, slabs, with_cells)
+    for n, slab in enumerate(slabs):
+        surface.add(slab, behind=slabs[n + 1 : n + 2])
+    surface.place_interior_points(slabs)
+    return Mesh(surface.vertices, surface.triangles), surface.cells
 
 
 class _Tiles:
-    """The tiles met so far, as flat tables that a whole slab can be looked up in at once.
+    """The tiles met so far, as flat tables that many cells can be looked up in at once.
 
     A key is signs + 256 * decisions.
     """
@@ -195,12 +199,13 @@ class _Tiles:
         self.asks = np.array([rule.asks(signs) for signs in range(256)])
         self.known: dict[int, Tile] = {}
         size = 1 << (8 + rule.bits)
+        self.key_type = np.min_scalar_type(size - 1)
         self.count = np.zeros(size, np.int64)  # triangles of a tile
         self.start = np.zeros(size, np.int64)  # its first row in `nodes`
         self.interior = np.zeros(size, np.int64)  # its interior points
         self.nodes = np.empty((0, 3), np.int64)
 
-    def learn(self, keys: Integers) -> None:
+    def learn(self, keys: Array) -> None:
         """Make the tables hold the tile of every key that occurs."""
         occurring = np.flatnonzero(np.bincount(keys, minlength=len(self.count)))
         rows = [self.nodes]
@@ -216,222 +221,281 @@ class _Tiles:
 
 
 @dataclass(frozen=True)
-class _Piece:
-    """What one slab contributes: the vertices it owns, the triangles of its cells.
-
-    having : (4, n) lattice indices and key of the cells that have interior points
-    """
-
-    vertices: Floats
-    triangles: Integers
-    cells: Integers
-    having: Integers
-    made_inside: int
-
-
-@dataclass(frozen=True)
 class _Volume:
-    """The field as the slabs need it, and the arrays they use one after the other."""
+    """The field as slabs of planes.
+
+    planes : of a slab, at most
+    strides : how far neighbours along each axis are apart in a slab's samples, by flat index
+    """
 
     field: Field
     isovalue: float
-    planes: int  # of cells in a slab, at most
-    block: Booleans  # a slab's points, compared
-    scratch: Booleans  # two more of the size of `block`
-    vertex_of: NDArray[np.int32]  # lattice edge 3 * point + axis -> vertex of this slab
+    planes: int
+    strides: Integers
 
     @classmethod
     def of(cls, field: Field, isovalue: float) -> _Volume:
-        """The volume, with room for slabs of about `SLAB_POINTS` points."""
+        """The volume in slabs of about `SLAB_POINTS` points."""
         n1, n2, n3 = field.shape
-        planes = min(n1 - 1, max(1, SLAB_POINTS // (n2 * n3)))
-        points = (planes + 2) * (n2 + 1) * (n3 + 1)
-        return cls(
-            field,
-            isovalue,
-            planes,
-            np.empty(points, np.bool_),
-            np.empty((2, points), np.bool_),
-            np.empty(3 * points, np.int32),
-        )
+        planes = min(n1, max(1, SLAB_POINTS // (n2 * n3)))
+        return cls(field, isovalue, planes, np.array([n2 * n3, n3, 1]))
+
+    def samples(self, first: int) -> Array:
+        """The samples of the slab from plane `first` and of the plane behind it, flat."""
+        planes = self.field.values[first : first + self.planes + 1]
+        return np.ascontiguousarray(planes).reshape(-1)
+
+    def relative(self, samples: Array, points: Array) -> Floats:
+        """Samples minus the isovalue, at these points of a slab."""
+        values: Floats = samples.take(points).astype(np.float64)
+        values -= self.isovalue
+        return values
+
+    def index(self, points: Array) -> tuple[Array, Array, Array]:
+        """Lattice indices of a slab's points, their planes counted from the slab's first."""
+        plane, row, _ = self.strides.tolist()
+        i = points // plane
+        rest = points - i * plane
+        j = rest // row
+        return i, j, rest - j * row
 
 
+# --- First pass: find the active cells ------------------------------------------------------
+
+
+@dataclass(frozen=True)
 class _Slab:
-    """Some planes of the lattice with one plane of phantoms behind each upper border.
+    """The active cells of some planes, named by their points' flat index in these planes.
 
-    first, planes : the planes of cells this slab turns into triangles
-    shape : of the padded block of points, (planes + 2, N2 + 1, N3 + 1)
-    samples : the slab's samples, flat, without padding
-    inside : whether each point is inside, flat, padded by repeating the border
+    first : its first plane
+    owners, signs : the active cells, phantoms included, in order
+    cells, keys : those that are no phantoms
     """
 
-    def __init__(self, volume: _Volume, first: int) -> None:
-        n1, n2, n3 = volume.field.shape
-        self.volume = volume
-        self.first = first
-        self.planes = min(volume.planes, n1 - 1 - first)
-        self.shape = (self.planes + 2, n2 + 1, n3 + 1)
-        self.is_last = first + self.planes == n1 - 1
-        samples = volume.field.values[first : first + self.planes + 2]
-        self.samples = np.ascontiguousarray(samples).reshape(-1)
-        self.inside = volume.block[: self.shape[0] * self.shape[1] * self.shape[2]]
-        self._compare(samples)
-
-    def _compare(self, samples: Array) -> None:
-        """Fill `inside`; repeat the last plane of each axis where none follows."""
-        n, n2, n3 = samples.shape
-        block = self.inside.reshape(self.shape)
-        level = least_inside(samples.dtype, self.volume.isovalue)
-        np.greater_equal(samples, level, out=block[:n, :n2, :n3])
-        block[n:, :n2, :n3] = block[n - 1, :n2, :n3]
-        block[:, n2] = block[:, n2 - 1]
-        block[:, :, n3] = block[:, :, n3 - 1]
-
-    def steps(self) -> Integers:
-        """How far each corner of a cell is from its lower corner, in points."""
-        _, b, c = self.shape
-        return np.asarray(CORNER_OFFSETS @ np.array([b * c, c, 1]))
-
-    def strides(self) -> Integers:
-        """How far neighbours along each axis are apart in `samples`."""
-        _, n2, n3 = self.volume.field.shape
-        return np.array([n2 * n3, n3, 1])
-
-    def active_cells(self) -> Integers:
-        """The cells, phantoms included, that have corners on both sides, in order."""
-        size = len(self.inside)
-        some, every = self.inside, self.inside
-        # Combine neighbours along the axes in turn, on the flat arrays, where a row's end meets
-        # the next row's beginning: what comes out there is cleared at the end.
-        for step in self.steps()[[1, 2, 4]]:
-            size -= int(step)
-            out = self.volume.scratch[:, :size]
-            some = np.logical_or(some[:size], some[step : step + size], out=out[0])
-            every = np.logical_and(every[:size], every[step : step + size], out=out[1])
-        mixed = np.not_equal(some, every, out=some)
-        active = self.volume.scratch[0, : len(self.inside)]
-        active[len(mixed) :] = False
-        active = active.reshape(self.shape)
-        active[-1] = active[:, -1] = active[:, :, -1] = False
-        return np.flatnonzero(active)
-
-    def index(self, points: Integers) -> Integers:
-        """Lattice indices (3, n) of points."""
-        plane, rest = np.divmod(points, self.shape[1] * self.shape[2])
-        row, column = np.divmod(rest, self.shape[2])
-        return np.stack([plane + self.first, row, column])
-
-    def values(self, index: Integers, step: Integers | int = 0) -> Floats:
-        """Samples minus the isovalue at lattice indices (3, n), or `step` samples behind them."""
-        plane, row, column = self.strides()
-        flat = (index[0] - self.first) * plane + index[1] * row + index[2] * column + step
-        samples: Floats = self.samples.take(flat).astype(np.float64)
-        return samples - self.volume.isovalue
-
-    def corner_values(self, index: Integers) -> Floats:
-        """G (8, n), the relative values at the corners of n cells with indices (3, n)."""
-        return np.stack([self.values(index, s) for s in CORNER_OFFSETS @ self.strides()])
+    first: int
+    owners: NDArray[np.int32]
+    signs: NDArray[np.uint8]
+    cells: NDArray[np.int32]
+    keys: Array
 
 
-def _pieces(tiles: _Tiles, field: Field, isovalue: float) -> Iterator[_Piece]:
-    """One piece a slab; vertices are numbered through, interior points count down from -1."""
-    volume = _Volume.of(field, isovalue)
-    made = made_inside = 0
-    for first in range(0, field.shape[0] - 1, volume.planes):
-        piece = _piece(tiles, _Slab(volume, first), made, made_inside)
-        made += len(piece.vertices)
-        made_inside += piece.made_inside
-        yield piece
+def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
+    """All slabs; `tiles` learns every tile that occurs in them."""
+    n1, n2, n3 = volume.field.shape
+    points = (volume.planes + 1) * n2 * n3
+    work = np.empty((2, points + 7 & -8), np.uint8)
+    for first in range(0, n1, volume.planes):
+        samples = volume.samples(first)
+        dense = _dense_signs(volume, samples, work)
+        dense = dense[: min(volume.planes, n1 - first) * n2 * n3]
+        owners = np.flatnonzero(_mixed(dense, work[1])).astype(np.int32)
+        signs = dense.take(owners)
+        i, j, k = volume.index(owners)
+        real = np.flatnonzero((i < n1 - 1 - first) & (j < n2 - 1) & (k < n3 - 1))
+        cells = owners.take(real)
+        keys = _keys(volume, tiles, samples, cells, signs.take(real))
+        tiles.learn(keys)
+        yield _Slab(first, owners, signs, cells, keys)
 
 
-def _piece(tiles: _Tiles, slab: _Slab, made: int, made_inside: int) -> _Piece:
-    """What this slab adds to `made` vertices and `made_inside` interior points."""
-    cells = slab.active_cells()
-    index = slab.index(cells)
-    signs = np.zeros(len(cells), np.uint8)
-    for c, step in enumerate(slab.steps()):
-        signs |= slab.inside.view(np.uint8).take(cells + step) << c
-
-    # Number the crossings of the three lower edges of each cell, and remember them by edge.
-    crossed = np.stack([signs ^ signs >> (1 << a) for a in range(3)], axis=1) & 1
-    row, axis = np.divmod(np.flatnonzero(crossed.view(np.bool_)), 3)
-    slab.volume.vertex_of[3 * cells[row] + axis] = np.arange(len(row), dtype=np.int32)
-    # Leave the edges that start in the next slab's first plane to that slab.
-    bound = np.array(slab.volume.field.shape) - 1
-    bound[0] = slab.first + slab.planes
-    own = len(row) if slab.is_last else int(np.searchsorted(index[0][row], bound[0]))
-    vertices = _crossing_points(slab, index, row[:own], axis[:own])
-
-    # Leave the phantoms out: they own vertices, but have no surface.
-    real = np.flatnonzero((index < bound[:, None]).all(axis=0))
-    cells, index = cells[real], index[:, real]
-    keys = _keys(tiles, slab, index, signs[real].astype(np.int64))
-    tiles.learn(keys)
-    triangles, owner = _gather(tiles, slab, cells, keys, made, made_inside)
-    flat = np.ravel_multi_index(tuple(index), tuple(n - 1 for n in slab.volume.field.shape))
-    own_points = tiles.interior[keys]
-    having = np.vstack([index, keys])[:, own_points > 0]
-    return _Piece(vertices, triangles, flat[owner], having, int(own_points.sum()))
+def _dense_signs(volume: _Volume, samples: Array, work: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The signs of the cell above each sample, as if the samples at the end were repeated."""
+    size = len(samples)
+    signs, shifted = work[:, :size]
+    level = least_inside(samples.dtype, volume.isovalue)
+    np.greater_equal(samples, level, out=signs.view(np.bool_))
+    # Join to the corners so far those of the next point along each axis in turn. Shift words of
+    # eight bytes, whose bits stay apart.
+    for axis in (2, 1, 0):
+        step = int(volume.strides[axis])
+        words, words_shifted = work.view(np.uint64)
+        np.left_shift(words, 1 << axis, out=words_shifted)
+        last, last_shifted = (
+            np.moveaxis(a.reshape(-1, *volume.field.shape[1:]), axis, 0)[-1]
+            for a in (signs, shifted)
+        )
+        repeated = last | last_shifted
+        np.bitwise_or(signs[:-step], shifted[step:], out=signs[:-step])
+        last[...] = repeated
+    return np.asarray(signs)
 
 
-def _crossing_points(slab: _Slab, index: Integers, row: Integers, axis: Integers) -> Floats:
-    """Positions (n, 3) of the crossings of each lattice edge from index[:, row] along its axis."""
-    field = slab.volume.field
-    low = index[:, row]
-    t = crossing_parameter(slab.values(low), slab.values(low, slab.strides()[axis]))
-    points = np.empty((len(row), 3))
-    for a in range(3):
-        place = low[a] + np.where(axis == a, t, 0.0)
-        points[:, a] = place * field.spacing[a] + field.origin[a]
-    return points
+def _mixed(signs: NDArray[np.uint8], work: NDArray[np.uint8]) -> Booleans:
+    """Which signs are neither none nor all; written into `work`."""
+    # Add one, so that all wraps round to zero beside none.
+    following = np.add(signs, 1, out=work[: len(signs)])
+    return np.asarray(np.greater(following, 1, out=following.view(np.bool_)))
 
 
-def _keys(tiles: _Tiles, slab: _Slab, index: Integers, signs: Integers) -> Integers:
+def _keys(
+    volume: _Volume,
+    tiles: _Tiles,
+    samples: Array,
+    cells: NDArray[np.int32],
+    signs: NDArray[np.uint8],
+) -> Array:
     """The key of each cell, its decisions taken only where the rule asks."""
-    asked = np.flatnonzero(tiles.asks[signs])
-    keys = signs.copy()
+    keys = signs.astype(tiles.key_type)
+    asked = np.flatnonzero(tiles.asks.take(signs))
     if tiles.rule.bits and len(asked):
-        keys[asked] |= tiles.rule.decisions(slab.corner_values(index[:, asked])) << 8
+        low = cells.take(asked).astype(np.int64)
+        g = np.stack([volume.relative(samples, low + s) for s in CORNER_OFFSETS @ volume.strides])
+        keys[asked] |= (tiles.rule.decisions(g) << 8).astype(tiles.key_type)
     return keys
 
 
-def _gather(
-    tiles: _Tiles, slab: _Slab, cells: Integers, keys: Integers, made: int, made_inside: int
-) -> tuple[Integers, Integers]:
-    """The triangles (T, 3) of all cells in order, and for each the number of its cell."""
-    count = tiles.count[keys]
-    owner = np.repeat(np.arange(len(cells)), count)
-    tile_row = (tiles.start[keys] - np.cumsum(count) + count)[owner] + np.arange(len(owner))
-    # Look up the crossing at each node: edge e of a cell is the lower edge of another.
-    edge_step = 3 * slab.steps()[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
-    step = np.append(edge_step, 0)[np.minimum(tiles.nodes, 12)]
-    base = 3 * cells[owner]
-    triangles = np.empty((len(owner), 3), np.int64)
-    for k in range(3):
-        edge = base + step[:, k].take(tile_row)
-        np.add(slab.volume.vertex_of.take(edge), made, out=triangles[:, k])
-    if tiles.interior[keys].any():
-        nodes = tiles.nodes[tile_row]
-        first = made_inside + np.cumsum(tiles.interior[keys]) - tiles.interior[keys]
-        inner = -1 - (first[owner][:, None] + nodes - 12)
-        triangles = np.where(nodes < 12, triangles, inner)
-    return triangles, owner
+# --- Second pass: number the crossings and gather the triangles --------------------------------
+
+# For signs, which of the cell's three lower edges are crossed; one word of four bytes.
+_CROSSED = np.array(
+    [[(signs ^ signs >> (1 << a)) & 1 for a in range(3)] + [0] for signs in range(256)], np.uint8
+)
+_CROSSINGS = _CROSSED.sum(axis=1, dtype=np.int64)
 
 
-def _interior_points(
-    tiles: _Tiles, field: Field, isovalue: float, index: Integers, keys: Integers
-) -> Floats:
-    """Positions of the interior points of the cells with these indices (3, n), cell by cell."""
-    own = tiles.interior[keys]
-    first = np.cumsum(own) - own
-    points = np.empty((int(own.sum()), 3))
-    # Take the cells of one key together: they share their placements.
-    order = np.argsort(keys, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
-        low = index[:, rows]
+def _crossed_edges(
+    owners: NDArray[np.int32], signs: NDArray[np.uint8]
+) -> tuple[NDArray[np.int32], Integers]:
+    """The crossed edges these cells own, in order: their lower points and their axes."""
+    slots = np.flatnonzero(_CROSSED.view(np.uint32).take(signs).view(np.bool_))
+    return owners.take(slots >> 2), slots & 3
+
+
+def _blocks(n: int) -> Iterator[slice]:
+    """Slices of at most `BLOCK_CELLS` that cover 0 .. n - 1."""
+    return (slice(start, min(start + BLOCK_CELLS, n)) for start in range(0, n, BLOCK_CELLS))
+
+
+class _Surface:
+    """The arrays of the mesh, of their final size, filled from the front slab by slab.
+
+    crossings : how many vertices are crossings; the interior points come behind them
+    made, gathered, made_inside : crossings, triangles and interior points so far
+    vertex_of : lattice edge 3 * point + axis of a slab -> vertex
+    steps : (3, rows) from 3 * point to the edge of each node in `tiles.nodes`
+    """
+
+    def __init__(
+        self, volume: _Volume, tiles: _Tiles, slabs: list[_Slab], with_cells: bool
+    ) -> None:
+        self.volume, self.tiles = volume, tiles
+        self.crossings = sum(int(_CROSSINGS.take(slab.signs).sum()) for slab in slabs)
+        interior = sum(int(tiles.interior.take(slab.keys).sum()) for slab in slabs)
+        triangles = sum(int(tiles.count.take(slab.keys).sum()) for slab in slabs)
+        self.vertices = np.empty((self.crossings + interior, 3))
+        self.triangles = np.empty((triangles, 3), np.int64)
+        self.cells = np.empty(triangles if with_cells else 0, np.int64)
+        self.made = self.gathered = self.made_inside = 0
+        number = np.int32 if self.crossings < 1 << 31 else np.int64
+        self.vertex_of = np.empty(3 * (volume.planes + 1) * int(volume.strides[0]), number)
+        # Edge e of a cell is the lower edge, along its axis, of the cell at its lower corner.
+        corner_steps = CORNER_OFFSETS @ volume.strides
+        edge_steps = 3 * corner_steps[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
+        self.steps = np.append(edge_steps, 0)[np.minimum(tiles.nodes.T, 12)]
+
+    def add(self, slab: _Slab, behind: list[_Slab]) -> None:
+        """Number and place the crossings of the slab's edges, and gather its triangles.
+
+        behind : the next slab, or none
+        """
+        samples = self.volume.samples(slab.first)
+        for block in _blocks(len(slab.owners)):
+            points, axis = _crossed_edges(slab.owners[block], slab.signs[block])
+            self._number(points, axis, self.made)
+            self._place(slab, samples, points, axis)
+            self.made += len(points)
+        for following in behind:
+            # The upper edges of the last cells belong to the next slab: number them ahead.
+            plane = int(self.volume.strides[0])
+            ahead = slice(0, int(np.searchsorted(following.owners, plane)))
+            points, axis = _crossed_edges(following.owners[ahead], following.signs[ahead])
+            self._number(points + self.volume.planes * plane, axis, self.made)
+        for block in _blocks(len(slab.cells)):
+            self._gather(slab, slab.cells[block], slab.keys[block])
+
+    def _number(self, points: NDArray[np.int32], axis: Integers, first: int) -> None:
+        """Remember the vertices of these edges, numbered from `first` on."""
+        edges = 3 * points.astype(np.int64) + axis
+        self.vertex_of[edges] = np.arange(first, first + len(edges), dtype=self.vertex_of.dtype)
+
+    def _place(
+        self, slab: _Slab, samples: Array, points: NDArray[np.int32], axis: Integers
+    ) -> None:
+        """Write the positions of the crossings of these edges."""
+        field = self.volume.field
+        low = self.volume.relative(samples, points)
+        high = self.volume.relative(samples, points + self.volume.strides.take(axis))
+        t = crossing_parameter(low, high)
+        out = self.vertices[self.made : self.made + len(points)]
+        for a, index in enumerate(self.volume.index(points)):
+            place = np.where(axis == a, t, 0.0)
+            place += index + slab.first if a == 0 else index
+            place *= field.spacing[a]
+            np.add(place, field.origin[a], out=out[:, a])
+
+    def _gather(self, slab: _Slab, cells: NDArray[np.int32], keys: Array) -> None:
+        """Write the triangles of these cells, in order."""
+        count = self.tiles.count.take(keys)
+        end = np.cumsum(count)
+        owner = np.repeat(np.arange(len(cells)), count)
+        row = (self.tiles.start.take(keys) - end + count).take(owner)
+        row += np.arange(len(owner))
+        base = (3 * cells.astype(np.int64)).take(owner)
+        out = slice(self.gathered, self.gathered + len(owner))
+        triangles = self.triangles[out]
+        for k in range(3):
+            edges = self.steps[k].take(row)
+            edges += base
+            triangles[:, k] = self.vertex_of.take(edges, mode="clip")
+        if len(self.cells):
+            self.cells[out] = self._flat(slab, cells).take(owner)
+        interior = self.tiles.interior.take(keys)
+        if interior.any():
+            self._gather_inside(triangles, interior, owner, row)
+        self.gathered += len(owner)
+
+    def _gather_inside(
+        self, triangles: Integers, interior: Integers, owner: Integers, row: Integers
+    ) -> None:
+        """Write the nodes of triangles that are interior points, numbered cell by cell."""
+        nodes = self.tiles.nodes.take(row, axis=0)
+        places = np.flatnonzero(nodes >= 12)
+        first = self.crossings + self.made_inside + np.cumsum(interior) - interior
+        numbers = first.take(owner.take(places // 3)) + nodes.reshape(-1).take(places) - 12
+        triangles.reshape(-1)[places] = numbers
+        self.made_inside += int(interior.sum())
+
+    def _flat(self, slab: _Slab, cells: NDArray[np.int32]) -> Integers:
+        """The flat index of cells in the lattice of cells."""
+        i, j, k = self.volume.index(cells.astype(np.int64))
+        _, n2, n3 = self.volume.field.shape
+        return np.asarray(((i + slab.first) * (n2 - 1) + j) * (n3 - 1) + k)
+
+    def place_interior_points(self, slabs: list[_Slab]) -> None:
+        """Write the positions of the interior points behind the crossings, cell by cell."""
+        pairs = [self._having(slab) for slab in slabs]
+        index = np.concatenate([index for index, _ in pairs], axis=1)
+        keys = np.concatenate([keys for _, keys in pairs])
+        own = self.tiles.interior.take(keys)
+        first = self.crossings + np.cumsum(own) - own
+        # Take the cells of one key together: they share their placements.
+        order = np.argsort(keys, kind="stable")
+        for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+            if len(rows):
+                self._place_inside(index[:, rows], int(keys[rows[0]]), first[rows])
+
+    def _having(self, slab: _Slab) -> tuple[Integers, Array]:
+        """Lattice indices (3, n) and keys of the cells that have interior points."""
+        having = np.flatnonzero(self.tiles.interior.take(slab.keys))
+        index = np.stack(self.volume.index(slab.cells.take(having))).astype(np.int64)
+        index[0] += slab.first
+        return index, slab.keys.take(having)
+
+    def _place_inside(self, low: Integers, key: int, first: Integers) -> None:
+        """Write the interior points of cells (3, n) of one key, from vertices `first` on."""
+        field = self.volume.field
         corners = (low[:, None] + CORNER_OFFSETS.T[:, :, None]).reshape(3, -1)
-        g = field.values[tuple(corners)].astype(np.float64).reshape(8, -1) - isovalue
+        g = field.values[tuple(corners)].astype(np.float64).reshape(8, -1) - self.volume.isovalue
         crossings = cell_crossings(g)
-        for k, place in enumerate(tiles.known[int(keys[rows[0]])].interior):
-            points[first[rows] + k] = field.position(low.T + place(g, crossings))
-    return points
+        for k, place in enumerate(self.tiles.known[key].interior):
+            self.vertices[first + k] = field.position(low.T + place(g, crossings))

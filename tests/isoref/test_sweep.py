@@ -30,8 +30,9 @@ def corners(mesh: Mesh) -> list[list[float]]:
 def test_both_sweeps_give_the_same_mesh_on_noise(
     rule: Rule, shape: tuple[int, int, int], slab_points: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every fast path has a plain twin; wherever the slabs are cut."""
+    """Every fast path has a plain twin; wherever slabs and blocks of cells are cut."""
     monkeypatch.setattr(isoref.sweep, "SLAB_POINTS", slab_points)
+    monkeypatch.setattr(isoref.sweep, "BLOCK_CELLS", min(slab_points, 1 << 14))
     values = np.random.default_rng(7).normal(size=shape)
     field = Field.of(values, spacing=(1, 2, 0.5), origin=(3, -1, 2))
     assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
