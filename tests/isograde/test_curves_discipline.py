@@ -13,6 +13,7 @@ from isograde.doors import curve_methods, open_door
 from isograde.model import Declaration, Finding, Limits, Request
 from isograde.truths.space_curves import Points, is_closed
 from isoref.field import Field
+from isoref.marching_faces import FaceRule, intersection_curves
 
 from tests.isograde.judging import Here, grade
 
@@ -100,6 +101,8 @@ def test_vtk_is_graded_as_a_peer() -> None:
     assert "well-formed" not in found
 
 
+# Curves astray do not come nearer with the size of the cells.
+CONVERGES = {"converges"}
 QUICK = ("two-spheres", "two-cylinders", "noise", "apart", "identical")
 FAULTS: dict[str, tuple[Change, set[str]]] = {
     "a single point as a curve": (
@@ -149,26 +152,77 @@ def test_each_fault_is_caught_by_its_claims(fault: str) -> None:
     assert expected <= set(faults(changed(change), QUICK))
 
 
-@pytest.mark.slow
-def test_between_them_the_faults_cover_every_claim() -> None:
-    """`swapped` has its own test below."""
-    caught = {claim for _, claims in FAULTS.values() for claim in claims} | {"swapped"}
-    assert {f"curves.{name}" for name in caught} == {claim.id for claim in CLAIMS}
+def by_order(a: Any, b: Any, one: float, two: float, spacing: Any) -> list[Points]:
+    """Separated for one order of the fields, joined for the other: legal each time."""
+    rule: FaceRule = "separated" if a.flat[0] > b.flat[0] else "joined"
+    pair = Field.of(a, spacing), Field.of(b, spacing)
+    return [c.polyline for c in intersection_curves(*pair, (one, two), rule)]
 
 
-@pytest.mark.slow
-def test_an_answer_that_depends_on_the_order_of_the_fields_is_caught() -> None:
-    """Separated for one order, joined for the other: legal each time, not the same."""
+def opened(curves: list[Points]) -> list[Points]:
+    """Closed curves without their last segment."""
+    return [curve[:-1] if is_closed(curve) else curve for curve in curves]
 
-    def extract_curves(a: Any, b: Any, one: float, two: float, spacing: Any) -> list[Points]:
-        from isoref.marching_faces import intersection_curves
 
-        rule = "separated" if a.flat[0] > b.flat[0] else "joined"
-        pair = Field.of(a, spacing), Field.of(b, spacing)
-        return [c.polyline for c in intersection_curves(*pair, (one, two), rule)]  # type: ignore[arg-type]
+def halved(curves: list[Points]) -> list[Points]:
+    """Curves that go straight from their first quarter to their last."""
+    return [np.concatenate([c[: len(c) // 4], c[3 * len(c) // 4 :]]) for c in curves]
 
-    found = faults(extract_curves, QUICK)
-    assert "curves/noise" in found["swapped"]
+
+def with_a_speck(curves: list[Points]) -> list[Points]:
+    """A closed curve more, too small to see."""
+    ring = np.array([[1, 0, 0], [2, 0, 0], [1, 1, 0], [1, 0, 0]])
+    return [*curves, curves[0][0] + 1e-4 * ring]
+
+
+# For each claim an implementation that it catches, the case where it does, and what follows.
+BROKEN: dict[str, tuple[Extract, str, set[str]]] = {
+    "well-formed": (
+        changed(lambda curves: [*curves, curves[0][:1]]),
+        "two-spheres",
+        {"whole", "no-point-twice", "count"},
+    ),
+    "nothing": (
+        changed(lambda curves: curves or [np.array([[0, 0.1, 0.1], [0, 0.2, 0.2]])]),
+        "apart",
+        set(),
+    ),
+    "whole": (changed(opened), "two-spheres", {"count", "linking", "swapped"}),
+    "no-point-twice": (
+        changed(lambda curves: [np.repeat(curve, 2, axis=0) for curve in curves]),
+        "two-spheres",
+        set(),
+    ),
+    "count": (changed(with_a_speck), "two-spheres", {"linking"}),
+    "linking": (
+        changed(lambda curves: [curves[0], curves[1] + 5]),
+        "hopf-link",
+        {"on-surfaces", "covers", "converges"},
+    ),
+    "swapped": (by_order, "noise", set()),
+    "on-surfaces": (changed(lambda curves: [c + 0.02 for c in curves]), "two-spheres", CONVERGES),
+    "covers": (changed(halved), "two-spheres", {"swapped", *CONVERGES}),
+    "converges": (changed(lambda curves: [c + 0.005 for c in curves]), "two-spheres", set()),
+}
+
+
+def test_every_claim_has_a_broken_implementation() -> None:
+    """The table is complete."""
+    assert {f"curves.{name}" for name in BROKEN} == {claim.id for claim in CLAIMS}
+
+
+@pytest.mark.parametrize("claim", BROKEN)
+def test_a_broken_one_is_caught_by_its_claim_and_what_follows(claim: str) -> None:
+    """By no other claim, so that the claim is needed."""
+    function, case, follows = BROKEN[claim]
+    found = set(faults(function, (case,)))
+    assert claim in found
+    assert found <= {claim, *follows}
+
+
+def test_an_answer_that_depends_on_the_order_of_the_fields_is_otherwise_right() -> None:
+    """No other claim sees it, on any of these cases."""
+    found = faults(by_order, QUICK)
     assert set(found) == {"swapped"}
 
 

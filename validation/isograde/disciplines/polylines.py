@@ -26,14 +26,14 @@ def stacked(parts: Iterable[ArrayLike], d: int, kind: str) -> Pair:
     Raises
     ------
     TypeError
-        for a part that is not (N, d); it is named by `kind` and its number.
+        for a part that is not (N, d) or has no point; it is named by `kind` and its number.
 
     >>> stacked([[[0, 0], [1, 0]], [[2, 2]]], 2, "contour")[1].ravel()
     array([0, 0, 1])
     """
     arrays = [np.asarray(part, np.float64) for part in parts]
     for number, array in enumerate(arrays):
-        if array.ndim != 2 or array.shape[1] != d:
+        if array.ndim != 2 or array.shape[1] != d or not len(array):
             raise TypeError(f"{kind} {number} has shape {array.shape}, not (N, {d})")
     owner = np.repeat(np.arange(len(arrays)), [len(array) for array in arrays])
     return np.concatenate([*arrays, np.empty((0, d))]), owner[:, None].astype(np.int64)
