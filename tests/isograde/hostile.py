@@ -90,6 +90,13 @@ def unhinged() -> Answer:
     time.sleep(60)
 
 
+def forked() -> Answer:
+    """The triangle, and a little later the same once more: a child forgets to leave."""
+    if os.fork() == 0:
+        time.sleep(0.1)
+    return TRIANGLE
+
+
 class Contrary:
     """A sequence of two that fails when it is made an array."""
 
@@ -113,6 +120,7 @@ declines = misbehaving(lambda _: raised(NotImplementedError("cubes only")))
 prints = misbehaving(lambda _: printed(b'{"status": "ok"}'))
 closes = misbehaving(lambda _: closed())
 breaks_protocol = misbehaving(lambda _: unhinged())
+forks = misbehaving(lambda _: forked())
 overwrites = misbehaving(overwritten)
 returns_none = misbehaving(lambda _: None)
 returns_string = misbehaving(lambda _: "done")

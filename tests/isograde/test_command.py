@@ -142,6 +142,19 @@ def test_every_claim_is_explained(name: str) -> None:
     assert "".join(claim.source.split()) in told
 
 
+@pytest.mark.parametrize(
+    ("door", "words"),
+    [
+        ("python", "function(values, isovalue, spacing)"),
+        ("exec", "An answer returns the ``id`` of its request"),
+        ("dir", "manifest.json"),
+        ("declaration", "linear-crossing"),
+    ],
+)
+def test_the_ways_in_are_explained(door: str, words: str) -> None:
+    assert words in run("explain", door).output
+
+
 def test_lists_name_everything() -> None:
     claims, levels = run("list", "claims").output, run("list", "levels").output
     assert all(name in claims for name in CLAIMS)

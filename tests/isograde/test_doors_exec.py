@@ -1,6 +1,7 @@
 """Doors to programs in any language."""
 
 import json
+import re
 import shlex
 import shutil
 import subprocess
@@ -28,14 +29,19 @@ from isoref.field import Field
 
 FOREIGN = Path(__file__).with_name("foreign")
 QUICK = Limits(seconds=5.0, megabytes=500)
-READY = """read start; echo '{"protocol": 1}'; """
-TRIANGLE = '{"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}'
+# A shell that is ready, and that answers the request it read last by `say`.
+READY = """read start; echo '{"protocol": 2}'; say() { id=${run#*'"id": '}
+printf '{"id": %s, %s}\\n' "${id%%,*}" "$1"; }; """
+TRIANGLE = '"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]'
 
 
 def ball(spacing: tuple[float, ...] = (1, 2, 3), origin: tuple[float, ...] = (9, 8, 7)) -> Field:
     """High in the middle of 5 x 6 x 7 samples."""
     i, j, k = np.indices((5, 6, 7))
     return Field.of(4 - (i - 2.1) ** 2 - (j - 2.4) ** 2 - (k - 3.2) ** 2, spacing, origin)
+
+
+BALLS = [ball()] * 3
 
 
 def ask(command: str, *fields: Field, limits: Limits = QUICK) -> tuple[Declaration, list[Outcome]]:
@@ -118,8 +124,8 @@ def test_a_mesh_file_of_any_format_is_an_answer(tmp_path: Path, suffix: str) -> 
     box = trimesh.creation.box()
     path = tmp_path / f"box{suffix}"
     box.export(path)
-    answer = json.dumps({"mesh": str(path)})
-    _, (outcome,) = ask(f"{READY} read run; echo {shlex.quote(answer)}; read stop")
+    answer = f'"mesh": {json.dumps(str(path))}'
+    _, (outcome,) = ask(f"{READY} read run; say {shlex.quote(answer)}; read stop")
     assert outcome.mesh is not None, outcome.detail
     assert (len(outcome.mesh.vertices), len(outcome.mesh.simplices)) == (8, 12)
 
@@ -127,9 +133,9 @@ def test_a_mesh_file_of_any_format_is_an_answer(tmp_path: Path, suffix: str) -> 
 def test_arrays_may_stand_in_npy_files_or_in_the_line(tmp_path: Path) -> None:
     np.save(tmp_path / "v.npy", np.eye(3))
     np.save(tmp_path / "f.npy", [[0, 1, 2]])
-    paths = json.dumps({"vertices": str(tmp_path / "v.npy"), "faces": str(tmp_path / "f.npy")})
+    paths = f'"vertices": "{tmp_path / "v.npy"}", "faces": "{tmp_path / "f.npy"}"'
     for answer in (paths, TRIANGLE):
-        _, (outcome,) = ask(f"{READY} read run; echo {shlex.quote(answer)}; read stop")
+        _, (outcome,) = ask(f"{READY} read run; say {shlex.quote(answer)}; read stop")
         assert outcome.mesh is not None, outcome.detail
         assert outcome.mesh.simplices.tolist() == [[0, 1, 2]]
 
@@ -147,11 +153,13 @@ def test_arrays_may_stand_in_npy_files_or_in_the_line(tmp_path: Path) -> None:
         ("echo 50 % done", Status.GARBAGE, "50 % done"),
         ("echo '[1, 2]'", Status.GARBAGE, "[1, 2]"),
         ("echo '{}'", Status.GARBAGE, "{}"),
-        ('echo \'{"error": "no such field"}\'', Status.RAISED, "no such field"),
-        ('echo \'{"mesh": "absent.ply"}\'', Status.GARBAGE, "absent.ply"),
-        ('echo \'{"mesh": "values.npy"}\'', Status.GARBAGE, "ends in"),
-        ('echo \'{"vertices": "values.npy", "faces": "/dev/zero"}\'', Status.GARBAGE, "zero"),
-        ('echo \'{"vertices": [["a"]], "faces": []}\'', Status.GARBAGE, "not real"),
+        (f"echo '{{{TRIANGLE}}}'", Status.GARBAGE, "'id' is a required property"),
+        ("run='\"id\": 1,'; say '" + TRIANGLE + "'", Status.GARBAGE, "answered request 1"),
+        ('say \'"error": "no such field"\'', Status.RAISED, "no such field"),
+        ('say \'"mesh": "absent.ply"\'', Status.GARBAGE, "absent.ply"),
+        ('say \'"mesh": "values.npy"\'', Status.GARBAGE, "ends in"),
+        ('say \'"vertices": "values.npy", "faces": "/dev/zero"\'', Status.GARBAGE, "zero"),
+        ('say \'"vertices": [["a"]], "faces": []\'', Status.GARBAGE, "not real"),
         ("head -c 600000000 /dev/zero | tail -n 1 >&2; sleep 60", Status.MEMORY, "allowed"),
     ],
 )
@@ -162,7 +170,7 @@ def test_each_ending_of_a_program_is_told_for_what_it_is(
     count = shlex.quote(str(tmp_path / "count"))
     command = (
         f"{READY} while read run; do echo >> {count}; "
-        f"if [ $(wc -l < {count}) = 2 ]; then {act}; else echo '{TRIANGLE}'; fi; done"
+        f"if [ $(wc -l < {count}) = 2 ]; then {act}; else say '{TRIANGLE}'; fi; done"
     )
     limits = Limits(seconds=0.5 if status is Status.TIMEOUT else 20.0, megabytes=200)
     _, (before, bad, after) = ask(command, *[ball()] * 3, limits=limits)
@@ -174,10 +182,49 @@ def test_each_ending_of_a_program_is_told_for_what_it_is(
 
 def test_a_line_too_many_is_garbage() -> None:
     """Whatever follows an answer cannot pass for the answer to the next request."""
-    talk = f"while read run; do printf '%s\\n%s\\n' '{TRIANGLE}' '{TRIANGLE}'; done"
-    _, outcomes = ask(READY + talk, ball(), ball(), ball())
+    _, outcomes = ask(
+        f"{READY} while read run; do say '{TRIANGLE}'; say '{TRIANGLE}'; done", *BALLS
+    )
     assert Status.GARBAGE in {o.status for o in outcomes}
-    assert "before the request" in " ".join(o.detail for o in outcomes)
+    for outcome in outcomes[1:]:
+        told = "before the request" in outcome.detail or "when asked request" in outcome.detail
+        assert told or outcome.status is Status.OK, outcome.detail
+
+
+def test_an_answer_that_comes_late_cannot_pass_for_the_next_ones() -> None:
+    """Each answer comes once more, after the next request was sent: the program is told apart."""
+    late = f"""last=; while read run; do
+        if [ "$last" ]; then sleep 0.1; next=$run; run=$last; say '{TRIANGLE}'; run=$next; fi
+        say '{TRIANGLE}'; last=$run; done"""
+    _, (first, second, third) = ask(READY + late, *BALLS)
+    assert [o.status for o in (first, second, third)] == [
+        Status.OK,
+        Status.GARBAGE,
+        Status.OK,  # of the program that was started again
+    ]
+    assert "it answered request 1 when asked request 2" in second.detail
+
+
+def test_an_answer_after_the_time_limit_reaches_nobody() -> None:
+    """The program is killed and started again, so the next request is met by another."""
+    slow = (
+        f"""n=0; while read run; do n=$((n + 1)); [ $n = 2 ] && sleep 1; say '{TRIANGLE}'; done"""
+    )
+    limits = Limits(seconds=0.5, megabytes=500)
+    _, outcomes = ask(READY + slow, *BALLS, limits=limits)
+    assert [o.status for o in outcomes] == [Status.OK, Status.TIMEOUT, Status.OK]
+
+
+def test_a_request_can_be_read_with_scanf(tmp_path: Path) -> None:
+    """Protocol: the keys in this order, with one blank after each colon and comma."""
+    log = tmp_path / "log"
+    ask(f"{READY} read run; echo \"$run\" > {shlex.quote(str(log))}; say '{TRIANGLE}'", ball())
+    assert re.fullmatch(
+        r'\{"command": "run", "id": 1, "dtype": "<f8", "shape": \[5, 6, 7\], '
+        r'"spacing": \[1\.0, 2\.0, 3\.0\], "isovalue": 1\.0, "offset": 128, '
+        r'"values": "[^"]*", "directory": "[^"]*", "case": "test"\}\n',
+        log.read_text(),
+    )
 
 
 @pytest.mark.parametrize(
@@ -186,10 +233,12 @@ def test_a_line_too_many_is_garbage() -> None:
         ("no-such-program-here", "not found"),
         ("exit 5", "status 5"),
         ("echo hello", "'hello'"),
-        ("""echo '{"protocol": 2}'""", "1 was expected"),
-        ("""echo '{"protocol": 1, "declaration": {"level": 9}}'""", "maximum of 4"),
+        ("""echo '{"protocol": 3}'""", "2 was expected"),
+        ("""echo '{"protocol": 1}'""", "each answer returns the id of its request"),
+        ("echo '[]'", "not of type 'object'"),
+        ("""echo '{"protocol": 2, "declaration": {"level": 9}}'""", "maximum of 4"),
         (
-            """echo '{"protocol": 1, "declaration": {"conventions": {"tie": "up"}}}'""",
+            """echo '{"protocol": 2, "declaration": {"conventions": {"tie": "up"}}}'""",
             "not one of",
         ),
     ],
@@ -202,12 +251,13 @@ def test_a_program_that_does_not_start_is_an_error_of_the_door(command: str, wor
 def test_every_message_follows_the_published_schema(tmp_path: Path) -> None:
     """Start, run and stop, as a program really receives them."""
     log = tmp_path / "log"
-    echo = f"tee {shlex.quote(str(log))} | ({READY} while read run; do echo '{TRIANGLE}'; done)"
+    echo = f"tee {shlex.quote(str(log))} | ({READY} while read run; do say '{TRIANGLE}'; done)"
     ask(echo, ball())
     lines = [json.loads(line) for line in log.read_text().splitlines()]
     assert [line["command"] for line in lines] == ["start", "run", "stop"]
     for line in lines:
-        schema = {**protocol_schema()["$defs"][line["command"]], "$defs": {}}
+        definitions = protocol_schema()["$defs"]
+        schema = {**definitions[line["command"]], "$defs": definitions}
         jsonschema.validate(line, schema)
 
 
@@ -215,7 +265,7 @@ def test_samples_are_written_little_endian_in_c_order(tmp_path: Path) -> None:
     """Whatever the array looks like in memory."""
     kept = shlex.quote(str(tmp_path / "kept.npy"))
     find = 'sed \'s/.*"values": "\\([^"]*\\).*/\\1/\''
-    command = f"{READY} read run; cp $(echo $run | {find}) {kept}; echo '{TRIANGLE}'; read stop"
+    command = f"{READY} read run; cp $(echo $run | {find}) {kept}; say '{TRIANGLE}'; read stop"
     values = np.arange(24, dtype=">i2").reshape(4, 3, 2).T
     ask(command, Field.of(values))
     stored = np.load(tmp_path / "kept.npy")

@@ -1,5 +1,6 @@
 """Whatever an implementation does costs the call in which it does it, and no other."""
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,20 @@ def test_each_ending_is_told_for_what_it_is_and_the_run_goes_on(
     assert after.status is Status.OK, after.detail
     assert verdict("structure.answers", bad) is VERDICTS[status]
     assert bad.mesh is None or status is Status.OK
+
+
+def test_an_answer_that_comes_twice_cannot_pass_for_the_next_ones() -> None:
+    """A child of the worker answers again; the next request is not met by that."""
+    door = open_door(f"python:{HOSTILE}:forks")
+    door.open(Limits(seconds=5.0, megabytes=500))
+    try:
+        first = door.run(Request("test", "plain", FIELD, BAD))
+        time.sleep(0.5)
+        second, third = (door.run(Request("test", "plain", FIELD, 2.5)) for _ in range(2))
+    finally:
+        door.close()
+    assert [o.status for o in (first, second, third)] == [Status.OK, Status.GARBAGE, Status.OK]
+    assert second.detail == "it answered request 1 a second time"
 
 
 def test_memory_held_by_child_processes_counts() -> None:

@@ -147,9 +147,15 @@ def frequencies_(
 
 @app.command()
 def explain(
-    claim: Annotated[str, typer.Argument(metavar="CLAIM", help="An id, or a family of them.")],
+    claim: Annotated[
+        str,
+        typer.Argument(
+            metavar="CLAIM",
+            help="An id, a family of them, or a way in: python, exec, dir, declaration.",
+        ),
+    ],
 ) -> None:
-    """Say what a claim asks, where it comes from, and what it is judged on."""
+    """Say what a claim asks and where it comes from, or how to write an implementation."""
     from isograde.commands import listings
 
     listings.explain(claim)

@@ -6,7 +6,7 @@ entry() { printf '%s\n' "$line" | sed "s/.*\"$1\": *\(\"[^\"]*\"\|\[[^]]*\]\|[^,
 while read -r line; do
     case $line in
     *'"start"'*)
-        echo '{"protocol": 1, "declaration": {"name": "blocks", "level": 0,
+        echo '{"protocol": 2, "declaration": {"name": "blocks", "level": 0,
             "without": ["on-edges", "linear-crossing", "welded"]}}' | tr -d '\n'
         echo ;;
     *'"stop"'*) exit ;;
@@ -37,7 +37,7 @@ while read -r line; do
                     }
                     printf "OFF\n%d %d 0\n%s%s", V, S, points, faces
                 }' > "$(entry directory)/mesh.off"
-        echo '{"mesh": "mesh.off"}' ;;
-    *) echo '{"unsupported": "reads float64 only"}' ;;
+        echo "{\"id\": $(entry id), \"mesh\": \"mesh.off\"}" ;;
+    *) echo "{\"id\": $(entry id), \"unsupported\": \"reads float64 only\"}" ;;
     esac
 done

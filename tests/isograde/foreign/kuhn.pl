@@ -189,12 +189,13 @@ $| = 1;
 while (my $line = <STDIN>) {
     my $ask = decode_json($line);
     last if $ask->{command} eq "stop";
-    my $said = {protocol => 1, declaration => $declaration};
+    my $said = {protocol => 2, declaration => $declaration};
     if ($ask->{command} eq "run") {
         my $refused = eval { take(substr(slurp($ask->{values}), $ask->{offset}), $ask) };
         $said = $@ ? {error => $@} : defined $refused ? {unsupported => $refused}
             : {vertices => "a.vertices.npy", faces => "a.faces.npy"};
         answer("$ask->{directory}/a", $ask->{spacing}, [(0) x $n]) if $said->{vertices};
+        $said->{id} = $ask->{id};
     }
     print encode_json($said), "\n";
 }

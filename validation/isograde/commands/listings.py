@@ -6,6 +6,7 @@ import difflib
 import inspect
 from collections import Counter
 from collections.abc import Iterable
+from importlib import import_module
 
 from rich.markup import escape
 from rich.table import Table
@@ -86,12 +87,24 @@ def levels() -> Table:
     return table
 
 
+# How to write an implementation: the door's own words.
+GUIDES = {
+    "python": "isograde.doors.loading",
+    "exec": "isograde.doors.exec",
+    "dir": "isograde.doors.directory",
+    "declaration": "isograde.doors.declaring",
+}
+
+
 def explain(name: str) -> None:
-    """The claim of this id is printed, or every claim of this family."""
+    """The claim of this id is printed, or every claim of this family, or the guide to a door."""
+    if name in GUIDES:
+        console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
+        return
     found = [c for known, c in ALL_CLAIMS.items() if name in (known, known.split(".")[0])]
     if not found:
         close = difflib.get_close_matches(name, ALL_CLAIMS, n=3, cutoff=0.4)
-        hint = f"did you mean {', '.join(close)}?" if close else "`isograde list claims`"
+        hint = f"did you mean {', '.join(close)}?" if close else "see `isograde list claims`"
         stop(Exit.WRONG_USE, f"no claim {name!r}; {hint}")
     for one in found:
         _explain(one)

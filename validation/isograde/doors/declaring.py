@@ -71,7 +71,9 @@ def declaration_json(declaration: Declaration) -> dict[str, Any]:
 
 def check_json(data: object, part: str, what: str) -> None:
     """Nothing, where `data` follows `part` of the protocol's schema; else raises `DoorError`."""
-    error = next(iter(_validator(part).iter_errors(data)), None)
+    import jsonschema
+
+    error = jsonschema.exceptions.best_match(_validator(part).iter_errors(data))
     if error is not None:
         where = "/".join(map(str, error.absolute_path))
         raise DoorError(f"{what}: {where + ': ' if where else ''}{error.message}")

@@ -5,26 +5,33 @@ line (`protocol.schema.json` beside this file has every field); arrays stand in 
 
 It reads from standard input, and answers on standard output::
 
-    {"command": "start", "protocol": 1}
-        {"protocol": 1, "declaration": {"name": "mine", "level": 1}}
-    {"command": "run", "case": "noise/7", "values": "/tmp/x/values.npy", "offset": 128,
-     "dtype": "<f8", "shape": [4, 4, 4], "isovalue": 0.5, "spacing": [1, 1, 1],
-     "directory": "/tmp/x"}
-        {"vertices": "vertices.npy", "faces": "faces.npy"}
+    {"command": "start", "protocol": 2}
+        {"protocol": 2, "declaration": {"name": "mine", "level": 1}}
+    {"command": "run", "id": 7, "dtype": "<f8", "shape": [4, 4, 4], "spacing": [1.0, 1.0, 1.0],
+     "isovalue": 0.5, "offset": 128, "values": "/tmp/x/values.npy", "directory": "/tmp/x",
+     "case": "noise/7"}
+        {"id": 7, "vertices": [[0.5, 0.0, 0.0], ..], "faces": [[0, 1, 2], ..]}
     {"command": "stop"}
 
+An answer returns the ``id`` of its request, so that no answer can pass for another's. Each request
+is one line, its keys always in this order, with one blank after each colon and comma: a program
+without a JSON library can read it with one ``sscanf`` (`tests/isograde/foreign/tetrahedra.c` is a
+whole implementation in C). An isovalue may be NaN, Infinity or -Infinity.
+
 The samples are in C order, the last axis fastest, little-endian, from byte ``offset`` of a .npy
-file. An answer may instead be ``{"mesh": "surface.off"}`` (.ply, .obj, .off, .stl), the arrays
-themselves, ``{"error": ..}``, or ``{"unsupported": ..}`` for a field the program does not take.
-Vertices are ``index * spacing`` in the order of the array's axes unless the declaration says
-otherwise; the grader adds the origin.
+file. Instead of the arrays an answer may have the names of .npy files, ``"vertices": "v.npy"``, or
+of one mesh file, ``"mesh": "surface.off"`` (.ply, .obj, .off, .stl), which start at ``directory``;
+or ``"error": ".."``; or ``"unsupported": ".."`` for a field the program does not take. Vertices are
+``index * spacing`` in the order of the array's axes unless the declaration says otherwise; the
+grader adds the origin.
 
 Other disciplines differ in what the arrays hold, and in nothing else. A field of m components has
 the shape [m, N1, .., Nn]. Polylines are the pair of all their points and, for each point, the
 number of its polyline. The manifest of ``isograde export --discipline curves`` says how it is for
 curves, and so on (`LAYOUT` in the modules of `isograde.disciplines`). None has mesh files.
 
-Standard output belongs to the protocol: any other line on it is garbage and costs the case.
+Standard output belongs to the protocol: any other line on it, and an answer to another request, is
+garbage: it costs the case, and the program is started again.
 Messages for people go to standard error, which is kept. The program runs until it is told to stop
 or its input ends; remember to flush after each line.
 """
@@ -45,7 +52,8 @@ from isograde.doors.declaring import check_json, declaration_from
 from isograde.doors.process import ProcessDoor, empty, own_directory
 from isograde.model import Declaration, DoorError, Outcome, Request, Status
 
-PROTOCOL = 1
+PROTOCOL = 2
+OLD = "it speaks protocol 1; now each answer returns the id of its request, and that is protocol 2"
 # How much of a line that is no answer a report quotes.
 QUOTED = 120
 
@@ -64,7 +72,10 @@ class ExecDoor(ProcessDoor):
     def _greet(self, child: Child) -> Declaration:
         """What the program declares."""
         _tell(child, {"command": "start", "protocol": PROTOCOL})
-        said = _line(child, "started")
+        line, said = _line(child)
+        if isinstance(said, dict) and said.get("protocol") == 1:
+            raise DoorError(f"{self.spec}: {OLD}")
+        check_json(said, "started", f"the answer {_quoted(line)}")
         return declaration_from(said.get("declaration", {}), self.spec)
 
     def _ask(self, child: Child, request: Request) -> Outcome:
@@ -73,14 +84,24 @@ class ExecDoor(ProcessDoor):
             raise Ended(Status.GARBAGE, f"stdout held {_quoted(rest)} before the request")
         _tell(child, self._written(request))
         start = time.perf_counter()
-        try:
-            said = _line(child, "answer")
-        except DoorError as error:
-            raise Ended(Status.GARBAGE, str(error)) from error
+        said = self._answered(child)
         seconds = said.get("seconds", time.perf_counter() - start)
         outcome = replace(self._read(said), seconds=seconds, peak_bytes=child.peak_bytes)
         empty(self._directory)
         return outcome
+
+    def _answered(self, child: Child) -> dict[str, Any]:
+        """The answer to the request that was numbered last."""
+        said: dict[str, Any]
+        try:
+            line, said = _line(child)
+            check_json(said, "answer", f"the answer {_quoted(line)}")
+        except DoorError as error:
+            raise Ended(Status.GARBAGE, str(error)) from error
+        if said["id"] != self.number:
+            other = f"it answered request {said['id']} when asked request {self.number}"
+            raise Ended(Status.GARBAGE, other)
+        return said
 
     def close(self) -> None:
         """Tell the program to stop."""
@@ -97,14 +118,15 @@ class ExecDoor(ProcessDoor):
         np.save(path, solid)
         return {
             "command": "run",
-            "case": request.case,
-            "values": str(path),
-            "offset": path.stat().st_size - solid.nbytes,
+            "id": self.number,
             "dtype": solid.dtype.str,
             "shape": solid.shape,
-            "isovalue": float(request.isovalue),
             "spacing": request.field.spacing,
+            "isovalue": float(request.isovalue),
+            "offset": path.stat().st_size - solid.nbytes,
+            "values": str(path),
             "directory": str(self._directory),
+            "case": request.case,
         }
 
     def _read(self, said: dict[str, Any]) -> Outcome:
@@ -128,7 +150,14 @@ class ExecDoor(ProcessDoor):
         if any(isinstance(part, str) for part in pair):
             vertices, faces = (self._directory / str(part) for part in pair)
             return arrays_in(vertices, faces, limit)
+        if self.declaration.discipline == "surfaces":
+            pair = _rows_of_three(pair[0]), _rows_of_three(pair[1])
         return arrays_from(pair)
+
+
+def _rows_of_three(rows: list[Any]) -> Any:
+    """The rows; where there are none, JSON cannot say that they would have three entries."""
+    return rows or np.empty((0, 3), np.int64)
 
 
 def _tell(child: Child, message: dict[str, Any]) -> None:
@@ -136,15 +165,13 @@ def _tell(child: Child, message: dict[str, Any]) -> None:
     child.write([json.dumps(message).encode() + b"\n"])
 
 
-def _line(child: Child, part: str) -> dict[str, Any]:
-    """The next line as JSON that follows `part` of the schema; raises `DoorError` or `Ended`."""
+def _line(child: Child) -> tuple[bytes, Any]:
+    """The next line, and the JSON in it; raises `DoorError` or `Ended`."""
     line = child.read_line()
     try:
-        said: dict[str, Any] = json.loads(line)
+        return line, json.loads(line)
     except ValueError:
         raise DoorError(f"stdout is for the protocol, but had {_quoted(line)}") from None
-    check_json(said, part, f"the answer {_quoted(line)}")
-    return said
 
 
 def _quoted(line: bytes) -> str:

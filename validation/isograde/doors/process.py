@@ -31,12 +31,17 @@ def empty(directory: Path) -> None:
 
 
 class ProcessDoor(ABC):
-    """An implementation in a process that is reused, and replaced when it died or was killed."""
+    """An implementation in a process that is reused, and replaced when it died or was killed.
+
+    `number` counts the requests. An answer has to return it, so that one that comes late, or twice,
+    cannot pass for the answer to the next request.
+    """
 
     def __init__(self, spec: str):
         self.spec = spec
         self.limits = Limits()
         self.declaration = Declaration(spec)
+        self.number = 0
         self._child: Child | None = None
 
     @abstractmethod
@@ -66,6 +71,7 @@ class ProcessDoor(ABC):
         try:
             self._child = self._child or self._start()
             self._child.allow(self.limits)
+            self.number += 1
             return self._ask(self._child, request)
         except DoorError as error:
             return Outcome(Status.CRASH, detail=f"it did not start again: {error}")

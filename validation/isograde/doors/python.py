@@ -53,6 +53,7 @@ class PythonDoor(ProcessDoor):
         """What the function returned, or how the call ended."""
         values = request.field.values
         header = {
+            "id": self.number,
             "isovalue": float(request.isovalue),
             "spacing": request.field.spacing,
             "strides": _strides(values),
@@ -67,6 +68,8 @@ class PythonDoor(ProcessDoor):
             raise Ended(Status.MEMORY, f"an absurd mesh: {error}") from error
         finally:
             empty(self._directory)
+        if said["id"] != self.number:
+            raise Ended(Status.GARBAGE, f"it answered request {said['id']} a second time")
         vertices, faces = arrays or (None, None)
         cost = {"seconds": said["seconds"], "peak_bytes": said["peak"]}
         status, changed = Status(said["status"]), said["changed"]

@@ -9,9 +9,9 @@ Messages
 --------
 load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"declaration": {..}}``
         or ``{"error": ..}``; `path` is Python's, `files` begins the names of files for arrays
-run     ``{"isovalue": x, "spacing": [..], "strides": [..], "seconds": s}`` and the samples:
-        answered by ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}`` and,
-        where the status is "ok", vertices and faces
+run     ``{"id": n, "isovalue": x, "spacing": [..], "strides": [..], "seconds": s}`` and the
+        samples: answered by the same ``id`` with ``{"status": .., "detail": .., "changed": ..,
+        "seconds": .., "peak": ..}`` and, where the status is "ok", vertices and faces
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _call(
         except AnswerError as error:
             status, detail = error.status, str(error)
     report: Header = {"status": status, "detail": detail, "seconds": seconds, "peak": peak}
-    return {**report, "changed": _differ(samples, given)}, arrays
+    return {**report, "id": header["id"], "changed": _differ(samples, given)}, arrays
 
 
 def _outcome(extract: Extract, given: NDArray[Any], header: Header) -> tuple[Status, str, object]:
