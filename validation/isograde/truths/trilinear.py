@@ -55,10 +55,8 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache, cmp_to_key
 from itertools import combinations
-from math import lcm
 from typing import Any
 
 import numpy as np
@@ -66,11 +64,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from isograde.truths.bounded import Bounded, Ints, Numbers, integers
+
 NONE, CORNER, FACE, BODY = 0, 1, 2, 3
 TIES = ("none", "a corner on the isovalue", "a face saddle on it", "a body saddle on it")
-
-Numbers = NDArray[Any]
-Ints = NDArray[np.int64]
 
 EDGES = tuple((a, b) for a, b in combinations(range(8), 2) if (a ^ b) in (1, 2, 4))
 """The twelve cell edges as pairs of corners, lower index first."""
@@ -81,68 +78,6 @@ FACES = tuple(
     for side in (0, 1)
 )
 """The four corners of each face; the first and the last are diagonal."""
-
-
-# --- numbers with a known error -----------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Bounded:
-    """Numbers known up to `error`; integers (dtype object) have error zero.
-
-    >>> x = Bounded(np.array([1.0]), np.array([0.0])) - Bounded(np.array([1.0]), np.array([0.0]))
-    >>> x.sign()[0], x.unsure()[0]
-    (np.int64(0), np.True_)
-    """
-
-    value: Numbers
-    error: Numbers
-
-    def __mul__(self, other: Bounded) -> Bounded:
-        product = self.value * other.value
-        return Bounded(
-            product,
-            self._rounding(product)
-            + (abs(self.value) + self.error) * other.error
-            + abs(other.value) * self.error,
-        )
-
-    def __sub__(self, other: Bounded) -> Bounded:
-        difference = self.value - other.value
-        return Bounded(difference, self._rounding(difference) + self.error + other.error)
-
-    def __add__(self, other: Bounded) -> Bounded:
-        return self - Bounded(-other.value, other.error)
-
-    def __getitem__(self, where: Any) -> Bounded:
-        return Bounded(self.value[where], self.error[where])
-
-    def _rounding(self, result: Numbers) -> Numbers:
-        """A bound on the rounding of one operation, the bound's own rounding included."""
-        if result.dtype == object:
-            return result * 0
-        bound: Numbers = 4 * np.finfo(float).eps * abs(result) + 1e-300
-        return bound
-
-    def sign(self) -> Ints:
-        """-1, 0 or 1 an entry; 0 where the error leaves the sign open."""
-        above, below = self.value > self.error, self.value < -self.error
-        return np.asarray(above, np.int64) - np.asarray(below, np.int64)
-
-    def unsure(self) -> NDArray[np.bool_]:
-        """Whether the error leaves the sign open."""
-        return np.asarray(abs(self.value) <= self.error, bool) & (self.value.dtype != object)
-
-
-def _exact(values: ArrayLike, isovalue: Any) -> Numbers:
-    """(n, 8) values minus isovalue as Python integers, each row scaled by a positive number."""
-    level = Fraction(isovalue)
-    rows = []
-    for row in np.asarray(values, object).reshape(-1, 8):
-        numbers = [Fraction(x.item() if isinstance(x, np.generic) else x) - level for x in row]
-        scale = lcm(*(x.denominator for x in numbers))
-        rows.append([int(x * scale) for x in numbers])
-    return np.array(rows, object).reshape(-1, 8)
 
 
 # --- what the numbers say -----------------------------------------------------------------------
@@ -489,8 +424,8 @@ def _read_all(
         exact[rest] = reading.unsure | ~representable[rest]
     again = np.flatnonzero(exact)
     if len(again):
-        integers = _exact(raw[again], isovalue)
-        reading = _read(Bounded(integers, integers * 0))
+        exact_values = integers(raw[again], isovalue)
+        reading = _read(Bounded(exact_values, exact_values * 0))
         rows[again], ties[again] = reading.rows, reading.ties
     return _Reading(rows, ties, np.zeros(n, bool)), exact
 

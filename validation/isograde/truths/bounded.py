@@ -1,0 +1,88 @@
+"""Numbers with a known error: signs decided in floating point where they can be, exactly else.
+
+The same formula is evaluated twice. In floating point every operation carries a bound on its
+error along, and a sign is known where the value is larger than its error. Where it is not, the
+formula is evaluated again on Python's integers (dtype object), whose error is zero.
+
+References
+----------
+1. J. R. Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric
+   predicates. Discrete & Computational Geometry 18, 1997 (the idea of a filter).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Numbers = NDArray[Any]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """Numbers known up to `error`; integers (dtype object) have error zero.
+
+    >>> x = Bounded(np.array([1.0]), np.array([0.0])) - Bounded(np.array([1.0]), np.array([0.0]))
+    >>> x.sign()[0], x.unsure()[0]
+    (np.int64(0), np.True_)
+    """
+
+    value: Numbers
+    error: Numbers
+
+    def __mul__(self, other: Bounded) -> Bounded:
+        product = self.value * other.value
+        return Bounded(
+            product,
+            self._rounding(product)
+            + (abs(self.value) + self.error) * other.error
+            + abs(other.value) * self.error,
+        )
+
+    def __sub__(self, other: Bounded) -> Bounded:
+        difference = self.value - other.value
+        return Bounded(difference, self._rounding(difference) + self.error + other.error)
+
+    def __add__(self, other: Bounded) -> Bounded:
+        return self - Bounded(-other.value, other.error)
+
+    def __getitem__(self, where: Any) -> Bounded:
+        return Bounded(self.value[where], self.error[where])
+
+    def _rounding(self, result: Numbers) -> Numbers:
+        """A bound on the rounding of one operation, the bound's own rounding included."""
+        if result.dtype == object:
+            return result * 0
+        bound: Numbers = 4 * np.finfo(float).eps * abs(result) + 1e-300
+        return bound
+
+    def sign(self) -> Ints:
+        """-1, 0 or 1 an entry; 0 where the error leaves the sign open."""
+        above, below = self.value > self.error, self.value < -self.error
+        return np.asarray(above, np.int64) - np.asarray(below, np.int64)
+
+    def unsure(self) -> NDArray[np.bool_]:
+        """Whether the error leaves the sign open."""
+        return np.asarray(abs(self.value) <= self.error, bool) & (self.value.dtype != object)
+
+
+def integers(rows: ArrayLike, zero: Any = 0) -> Numbers:
+    """(n, k) numbers minus `zero` as Python integers, each row times a positive number of its own.
+
+    >>> integers([[0.5, 0.75]], 0.25)
+    array([[1, 2]], dtype=object)
+    """
+    taken = np.asarray(rows, object)
+    level = Fraction(zero)
+    scaled = []
+    for row in taken:
+        numbers = [Fraction(x.item() if isinstance(x, np.generic) else x) - level for x in row]
+        scale = lcm(*(x.denominator for x in numbers))
+        scaled.append([int(x * scale) for x in numbers])
+    return np.array(scaled, object).reshape(taken.shape)
