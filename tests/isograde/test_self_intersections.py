@@ -12,7 +12,7 @@ from isoref.field import Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.optimize import linprog
 
-ONE = [[0.0, 0, 0], [4, 0, 0], [0, 4, 0]]
+ONE: list[list[float]] = [[0.0, 0, 0], [4, 0, 0], [0, 4, 0]]
 
 
 def meet(one: list[list[float]], other: list[list[float]]) -> bool:
@@ -21,29 +21,29 @@ def meet(one: list[list[float]], other: list[list[float]]) -> bool:
     return len(self_intersections(points, names.reshape(2, 3))) == 1
 
 
-@pytest.mark.parametrize(
-    ("other", "expected"),
-    [
-        ([[1, 1, -1], [1, 1, 1], [9, 9, 0]], True),  # pierces
-        ([[1, 1, 0], [1, 1, 1], [9, 9, 1]], True),  # touches with a corner
-        ([[2, 2, -1], [2, 2, 1], [9, 9, 0]], True),  # touches with a side
-        ([[1, 1, 1e-9], [1, 1, 1], [9, 9, 1]], False),  # hangs above
-        ([[1, 1, 0], [9, 9, 0], [9, 8, 0]], True),  # overlaps in the plane
-        ([[3, 3, 0], [9, 9, 0], [9, 8, 0]], False),  # beside it in the plane
-        ([[0, 0, 0], [-1, 0, 0], [0, -1, 0]], False),  # shares a corner, in the plane
-        ([[0, 0, 0], [1, 1, 0], [-1, 1, 0]], True),  # shares a corner and overlaps
-        ([[0, 0, 0], [9, 9, 0], [9, 9, 1]], True),  # shares a corner, runs along the inside
-        ([[0, 0, 0], [1, 1, 1], [1, 1, -1]], True),  # shares a corner and pierces
-        ([[0, 0, 0], [1, 1, 1], [1, 1, 2]], False),  # shares a corner
-        ([[0, 0, 0], [2, 0, 0], [0, 0, 1]], True),  # shares a corner, half a side lies on a side
-        ([[0, 0, 0], [4, 0, 0], [0, 0, 1]], False),  # shares an edge
-        ([[0, 0, 0], [4, 0, 0], [1, -1, 0]], False),  # shares an edge, in the plane
-        ([[0, 0, 0], [4, 0, 0], [1, 1, 0]], True),  # folded back
-        ([[1, 1, 0], [1, 1, 0], [1, 1, 1]], False),  # no triangle
-        ([[1, 1, -1], [1, 1, 0], [1, 1, 1]], False),  # without area
-        (ONE, False),  # the same: another claim's
-    ],
-)
+WAYS: list[tuple[list[list[float]], bool]] = [
+    ([[1, 1, -1], [1, 1, 1], [9, 9, 0]], True),  # pierces
+    ([[1, 1, 0], [1, 1, 1], [9, 9, 1]], True),  # touches with a corner
+    ([[2, 2, -1], [2, 2, 1], [9, 9, 0]], True),  # touches with a side
+    ([[1, 1, 1e-9], [1, 1, 1], [9, 9, 1]], False),  # hangs above
+    ([[1, 1, 0], [9, 9, 0], [9, 8, 0]], True),  # overlaps in the plane
+    ([[3, 3, 0], [9, 9, 0], [9, 8, 0]], False),  # beside it in the plane
+    ([[0, 0, 0], [-1, 0, 0], [0, -1, 0]], False),  # shares a corner, in the plane
+    ([[0, 0, 0], [1, 1, 0], [-1, 1, 0]], True),  # shares a corner and overlaps
+    ([[0, 0, 0], [9, 9, 0], [9, 9, 1]], True),  # shares a corner, runs along the inside
+    ([[0, 0, 0], [1, 1, 1], [1, 1, -1]], True),  # shares a corner and pierces
+    ([[0, 0, 0], [1, 1, 1], [1, 1, 2]], False),  # shares a corner
+    ([[0, 0, 0], [2, 0, 0], [0, 0, 1]], True),  # shares a corner, half a side lies on a side
+    ([[0, 0, 0], [4, 0, 0], [0, 0, 1]], False),  # shares an edge
+    ([[0, 0, 0], [4, 0, 0], [1, -1, 0]], False),  # shares an edge, in the plane
+    ([[0, 0, 0], [4, 0, 0], [1, 1, 0]], True),  # folded back
+    ([[1, 1, 0], [1, 1, 0], [1, 1, 1]], False),  # no triangle
+    ([[1, 1, -1], [1, 1, 0], [1, 1, 1]], False),  # without area
+    (ONE, False),  # the same: another claim's
+]
+
+
+@pytest.mark.parametrize(("other", "expected"), WAYS)
 def test_pairs_meet_in_what_they_share_or_are_named(
     other: list[list[float]], expected: bool
 ) -> None:
@@ -54,11 +54,11 @@ def test_pairs_meet_in_what_they_share_or_are_named(
 corner = st.tuples(*[st.integers(-3, 3)] * 3)
 
 
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(st.lists(corner, min_size=6, max_size=6), st.integers(0, 2))
 def test_pairs_are_those_of_linear_programming(places: list[tuple[int, ...]], shared: int) -> None:
     """Two triangles of small whole numbers, ties of every kind among them."""
-    places[3 : 3 + shared] = places[:shared]
+    places = [*places[:3], *places[:shared], *places[3 + shared :]]
     one, other = np.array(places[:3], float), np.array(places[3:], float)
     if len(np.unique(places, axis=0)) < 6 - shared or _area(one) == 0 or _area(other) == 0:
         return
@@ -80,7 +80,7 @@ def feasible(one: Floats, other: Floats, shared: int) -> bool:
     equal = np.vstack([equal, np.r_[np.zeros(3), np.ones(3)]])
     free = np.r_[np.arange(3) >= shared, np.arange(3) >= shared].astype(float)
     found = linprog(-free, A_eq=equal, b_eq=[0, 0, 0, 1, 1])
-    return found.status == 0 and float(found.fun) < -1e-6
+    return found.status == 0 and bool(free @ found.x > 1e-6)
 
 
 def by_meshlab(points: Floats, faces: Integers) -> set[int]:
@@ -109,14 +109,14 @@ def test_faces_are_those_of_meshlab(shift: float) -> None:
 def test_bins_miss_no_pair() -> None:
     """Triangles of all sizes, compared with every pair by itself."""
     rng = np.random.default_rng(0)
-    points = rng.normal(size=(40, 1, 3)) + rng.lognormal(0, 1, (40, 1, 1)) * rng.normal(
-        size=(40, 3, 3)
+    points = rng.normal(size=(16, 1, 3)) + rng.lognormal(0, 1, (16, 1, 1)) * rng.normal(
+        size=(16, 3, 3)
     )
     corners = points.reshape(-1, 3)
-    found = self_intersections(corners, np.arange(120).reshape(40, 3))
-    expected = [(i, j) for i, j in combinations(range(40), 2) if meet(points[i], points[j])]
+    found = self_intersections(corners, np.arange(48).reshape(16, 3))
+    expected = [(i, j) for i, j in combinations(range(16), 2) if meet(points[i], points[j])]
     assert [tuple(pair) for pair in found.tolist()] == expected
-    assert len(expected) > 50
+    assert len(expected) > 5
 
 
 def test_an_empty_mesh_has_none() -> None:

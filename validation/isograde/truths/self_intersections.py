@@ -97,9 +97,9 @@ def _near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
     low, high = points[faces].min(axis=1), points[faces].max(axis=1)
     for one, other in _in_one_bin(*_bins(low, high)):
         near = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
-        pairs = np.sort(np.stack([one[near], other[near]], axis=1), axis=1)
-        if len(pairs):
-            yield np.unique(pairs, axis=0)
+        first, second = np.minimum(one, other)[near], np.maximum(one, other)[near]
+        keys = np.unique(first * len(faces) + second)
+        yield np.stack(np.divmod(keys, max(len(faces), 1)), axis=1)
 
 
 def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers]:
@@ -193,20 +193,28 @@ def _flat(*normals: Bounded) -> Booleans:
 
 def _apart(p: Bounded, q: Bounded) -> Booleans:
     """(n,) triangles that share nothing do not meet."""
-    along, other = _sides(p), _sides(q)
-    n, m = _cross(along[0], along[1]), _cross(other[0], other[1])
-    apart = _flat(n, m)
-    axes = [n, m]
-    axes += [_cross(a, b) for a, b in product(along, other)]
-    axes += [_cross(n, a) for a in along] + [_cross(m, b) for b in other]
-    for axis in axes:
-        apart |= _parts(axis, p, q)
+    n, m = (
+        _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) for corners in (p, q)
+    )
+    apart = _flat(n, m) | _parts(n, p, q) | _parts(m, p, q)
+    rest = np.flatnonzero(~apart)
+    apart[rest] = _apart_along_sides(p[rest], q[rest], n[rest], m[rest])
     return apart
+
+
+def _apart_along_sides(p: Bounded, q: Bounded, n: Bounded, m: Bounded) -> Booleans:
+    """(n,) triangles are parted by a plane along a side of each, or across one and along a side."""
+    along, other = _sides(p), _sides(q)
+    axes = [_cross(a, b) for a, b in product(along, other)]
+    axes += [_cross(n, a) for a in along] + [_cross(m, b) for b in other]
+    return np.asarray(np.logical_or.reduce([_parts(axis, p, q) for axis in axes]))
 
 
 def _parts(axis: Bounded, p: Bounded, q: Bounded) -> Booleans:
     """(n,) every corner of q is further along the axis than every corner of p, or none is."""
-    signs = np.stack([_dot(axis, q[:, j] - p[:, i]).sign() for i, j in product(range(3), repeat=2)])
+    here = [_dot(axis, p[:, i] - p[:, 0]) for i in range(3)]
+    there = [_dot(axis, q[:, j] - p[:, 0]) for j in range(3)]
+    signs = np.stack([(b - a).sign() for a, b in product(here, there)])
     return np.asarray((signs > 0).all(axis=0) | (signs < 0).all(axis=0))
 
 
