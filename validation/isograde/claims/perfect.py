@@ -1,0 +1,88 @@
+"""The claim that a VESTA surface is perfect before its points are moved.
+
+No door gives the surface with its points still in the middle of their lattice edges. But a field
+whose samples are all about as far from the isovalue, some above and some below, has every crossing
+in the middle: the surface of such a field *is* the unmoved one. The variant `level` makes one of
+any field, and keeps what the averages of ambiguous faces decide, so that the cycles of a mixed
+mode occur as well.
+
+Moved, a surface may well degenerate: a point that moves to the end of its edge meets others.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from isoref.field import Floats
+
+from isograde.claims.cycles import MODES
+from isograde.claims.evidence import (
+    VERDICT_OF,
+    failed,
+    lattice_of,
+    on_triangles,
+    passed,
+    place,
+    skipped,
+)
+from isograde.model import Claim, Finding, Outcome, Status, Trial, Verdict
+from isograde.truths import apart
+
+VARIANT = "level"
+
+
+def perfect(trial: Trial) -> Finding:
+    """Pass when the levelled field's surface has no flat or crossing triangles or equal points."""
+    if trial.declaration.connectivity not in MODES:
+        return Finding(Verdict.UNSUPPORTED, "declares no connectivity mode")
+    outcome = trial.outcomes.get(VARIANT)
+    if outcome is None:
+        return skipped("the values are too large to be levelled")
+    if outcome.status is Status.DECLINED:
+        return Finding(Verdict.UNSUPPORTED, outcome.detail)
+    if outcome.mesh is None or outcome.mesh.vertices.shape[1] != 3:
+        verdict = VERDICT_OF.get(outcome.status, Verdict.FAIL)
+        return Finding(verdict, f"{VARIANT}: {outcome.detail}", {"variant": VARIANT})
+    return _judged(trial, outcome)
+
+
+def _judged(trial: Trial, outcome: Outcome) -> Finding:
+    """The first fault of the unmoved surface, or how many triangles have none."""
+    assert outcome.mesh is not None, "only a mesh is judged"
+    places, faces = lattice_of(trial).index(outcome.mesh.vertices), outcome.mesh.simplices
+    used = np.unique(faces)
+    flat = apart.without_area(places[faces])
+    if len(flat):
+        return _told(len(flat), "triangles have no area", places[faces[flat[0]]].mean(axis=0))
+    met = apart.together(places[used])
+    if len(met):
+        return _told(len(met), "points fall together with another", places[used[met[0, 0]]])
+    crossed = apart.crossing(places, faces)
+    if len(crossed):
+        where = places[faces[crossed[0, 0]]].mean(axis=0)
+        return _told(len(crossed), "pairs of triangles cross or overlap", where)
+    return passed(triangles=len(faces), points=len(used))
+
+
+def _told(count: int, what: str, where: Floats) -> Finding:
+    """The failure, with its first place."""
+    return failed(
+        f"before its points are moved, {count} {what}, the first at index {place(where)}",
+        count=count,
+        first=place(where),
+        variant=VARIANT,
+    )
+
+
+CLAIMS = (
+    Claim(
+        id="cases.perfect",
+        rule="Before its points are moved from the middle of their lattice edges, the surface of "
+        "who declares a connectivity mode of VESTA is not degenerate: no triangle is without area, "
+        "no two points are at one place, and no two triangles of a cell cross or overlap.",
+        source="Schlei 2010, sections III.B and IV: VESTA surfaces are perfect, prior to a move",
+        level=2,
+        judge=on_triangles(perfect),
+        variants=(VARIANT,),
+        unless=frozenset({"on-edges", "welded"}),
+    ),
+)
