@@ -12,8 +12,8 @@ import jsonschema
 import numpy as np
 import pytest
 from isograde.grading import contrast, grade
-from isograde.model import Limits
-from isograde.report import FORMATS, record, write, write_whole
+from isograde.model import LEVELS, Limits
+from isograde.report import FORMATS, record, words, write, write_whole
 from isograde.report.badge import badge
 from isograde.report.comparison import changes, comparison_page, markdown_table
 from isograde.report.junit import junit
@@ -155,6 +155,62 @@ def test_a_level_promised_in_part_is_not_reached_above_what_is_claimed(
     }
     case = {"a": {"samples": 8}}
     assert Report(header, claims, case, [result]).reached == reached
+
+
+@pytest.fixture(scope="module")
+def partial(tmp_path_factory: pytest.TempPathFactory) -> Report:
+    """The report of an implementation that does not promise to stand on edges at the crossing."""
+    folder = tmp_path_factory.mktemp("partial")
+    (folder / "shy.py").write_text(
+        "from isoref import extract as reference\n"
+        "def extract(values, isovalue, spacing):\n"
+        "    mesh = reference(values, isovalue, spacing)\n"
+        "    return mesh.vertices, mesh.simplices\n"
+        'extract.declaration = {"name": "shy", "without": ["linear-crossing"]}\n',
+        encoding="utf-8",
+    )
+    spec, lines = f"python:{folder / 'shy.py'}:extract", folder / "report.jsonl"
+    grade(spec, Options(only=("pairs/021*",)), lines)
+    text = lines.read_text(encoding="utf-8").replace('"only":["pairs/021*"]', '"only":[]')
+    return record.gather(map(json.loads, text.splitlines()))
+
+
+def test_a_level_reached_without_the_claims_withheld_is_said_to_be(partial: Report) -> None:
+    """On every page: the level alone would say more than was seen."""
+    withheld = partial.withheld
+    assert withheld
+    assert all("unsupported" in partial.summaries[name].counts for name in withheld)
+    assert partial.reached is not None
+    level = f"level {partial.reached} {LEVELS[partial.reached][0]}"
+    said = f"{level}, {words.withheld(len(withheld))}"
+    assert words.reached(partial) == said
+    for text in (badge(partial), markdown(partial), page(partial), markdown_table([partial])):
+        assert said in text
+    for text in (markdown(partial), page(partial), comparison_page([partial], [""])):
+        assert all(name in text for name in withheld)
+    assert "holds in part" in page(partial)
+    assert f"☑️ **{partial.rungs[2].name}**" in markdown(partial)
+    assert '<span class="star" title="' in comparison_page([partial], [""])
+
+
+def test_a_level_reached_whole_is_said_without_more(partial: Report) -> None:
+    results = [
+        {**line, "passed": [*line["passed"], *partial.withheld], "findings": []}
+        for line in partial.results
+    ]
+    whole = Report(partial.header, partial.claims, partial.cases, results, {}, partial.footer)
+    assert not whole.withheld
+    assert partial.reached == whole.reached is not None
+    assert words.reached(whole) == f"level {whole.reached} {LEVELS[whole.reached][0]}"
+    assert "withheld" not in badge(whole) + page(whole) + markdown(whole)
+
+
+def test_the_footer_says_the_level_and_what_is_withheld(partial: Report) -> None:
+    tally = record.Tally()
+    footer = tally.footer(1.0, partial)
+    assert (footer["reached"], footer["withheld"]) == (partial.reached, partial.withheld)
+    assert partial.footer is not None
+    assert partial.footer["reached"] is None  # It was written of a part of the cases.
 
 
 def test_a_claim_above_the_declared_level_is_shown_and_not_held(report: Report) -> None:

@@ -66,7 +66,8 @@ def grade(
             writer.write_claims(tasks)
             tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
             writer.write_evidence(smallest, options)
-            writer.write(tally.footer(time.perf_counter() - start))
+            seconds = time.perf_counter() - start
+            writer.write(tally.footer(seconds, record.gather(writer.records)))
     finally:
         worker.door.close()
     return record.gather(writer.records)

@@ -109,8 +109,11 @@ def _tell(result: record.Report) -> None:
     for rung in reversed(result.rungs):
         held = sum(summary.state == "pass" for summary in rung.summaries)
         count = f"{held} of {len(rung.summaries)}" if rung.summaries else ""
-        state = f"[{colours[rung.state]}]{'holds' if rung.state == 'pass' else rung.state}[/]"
-        table.add_row(str(rung.level), rung.name, state, count)
+        colour = "yellow" if rung.state == "pass" and rung.withheld else colours[rung.state]
+        without = words.withheld(len(rung.withheld)) if rung.withheld else ""
+        table.add_row(
+            str(rung.level), rung.name, f"[{colour}]{words.rung(rung)}[/]", count, without
+        )
     console.print(table)
     for summary in result.failures:
         failure = summary.failure

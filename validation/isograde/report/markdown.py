@@ -6,6 +6,8 @@ from isograde.report import words
 from isograde.report.record import Report, Rung, Summary
 
 MARK = {"pass": "✅", "fail": "❌", "not judged": "▫️", "unsupported": "➖"}
+# A level that holds but for claims that are withheld.
+PART = "☑️"
 
 
 def markdown(report: Report) -> str:
@@ -32,7 +34,10 @@ def _rung(rung: Rung) -> str:
     """One level as a row."""
     held = sum(summary.state == "pass" for summary in rung.summaries)
     count = f"{held} of {len(rung.summaries)} hold" if rung.summaries else "none judged"
-    return f"| {rung.level} | {MARK[rung.state]} **{rung.name}** | {rung.promise} | {count} |"
+    if rung.withheld:
+        count += f", {words.withheld(len(rung.withheld))}: {', '.join(rung.withheld)}"
+    mark = PART if rung.state == "pass" and rung.withheld else MARK[rung.state]
+    return f"| {rung.level} | {mark} **{rung.name}** | {rung.promise} | {count} |"
 
 
 def _failure(report: Report, summary: Summary) -> str:

@@ -7,7 +7,7 @@ claim     a line a claim: rule, source, level, whether it is held against the im
 case      a line a case, followed at once by its
 result    ids of the claims that passed, and every other finding with its numbers
 evidence  for each failed claim the smallest case: samples, isovalue, the mesh that came
-footer    counts; a report without one was cut off
+footer    counts, the level reached and the claims withheld; a report without one was cut off
 
 `schema.json` beside this module describes every line. A file whose name ends in .gz is compressed.
 """
@@ -246,14 +246,17 @@ class Tally:
             self.verdicts[finding.verdict.value] += 1
             self.judge_faults += finding.detail.startswith(JUDGE_FAULT)
 
-    def footer(self, seconds: float) -> JSON:
-        """The last line of a report."""
+    def footer(self, seconds: float, report: Report) -> JSON:
+        """The last line of the report that the lines before it make."""
         return {
             "kind": "footer",
             "cases": self.cases,
             "calls": self.calls,
             "judge_faults": self.judge_faults,
             "verdicts": dict(sorted(self.verdicts.items())),
+            # A run of a part of the cases reaches no level.
+            "reached": None if report.header["only"] else report.reached,
+            "withheld": [] if report.header["only"] else report.withheld,
             "seconds": round(seconds, 3),
         }
 
@@ -435,7 +438,8 @@ class Report:
         """The highest level that holds with all levels below it; None when not even the lowest.
 
         Above what the implementation claims, a level of which it promises only a part is not
-        reached.
+        reached. At and below what it claims such a level counts, and `withheld` names the rest:
+        whoever shows the level says so.
         """
         reached = None
         claimed = self.header["implementation"]["level"]
@@ -444,6 +448,16 @@ class Report:
                 break
             reached = rung.level
         return reached
+
+    @property
+    def withheld(self) -> list[str]:
+        """Claims of the levels reached that were not judged: the implementation withholds them."""
+        return self.withheld_to(self.reached)
+
+    def withheld_to(self, level: int | None) -> list[str]:
+        """Claims up to this level that the implementation withholds."""
+        height = -1 if level is None else level
+        return [name for rung in self.rungs if rung.level <= height for name in rung.withheld]
 
     @property
     def failures(self) -> list[Summary]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from shlex import quote
 
 from isograde.model import LEVELS
-from isograde.report.record import Report, Summary
+from isograde.report.record import Report, Rung, Summary
 
 
 def reached(report: Report) -> str:
@@ -19,7 +19,27 @@ def reached(report: Report) -> str:
         return "part of the cases"
     if report.reached is None:
         return "below level 0"
-    return f"level {report.reached} {LEVELS[report.reached][0]}"
+    level = f"level {report.reached} {LEVELS[report.reached][0]}"
+    return f"{level}, {withheld(len(report.withheld))}" if report.withheld else level
+
+
+def withheld(count: int) -> str:
+    """How many claims are withheld: declared as not promised, and so not judged.
+
+    >>> withheld(1), withheld(3)
+    ('1 claim withheld', '3 claims withheld')
+    """
+    return f"{count} claim{'s' if count > 1 else ''} withheld"
+
+
+def rung(rung: Rung) -> str:
+    """What is said of one level: a level of which claims are withheld holds in part."""
+    failed = sum(summary.state == "fail" for summary in rung.summaries)
+    if rung.state == "fail":
+        return f"{failed} of {len(rung.summaries)} fail"
+    if rung.state == "pass":
+        return "holds in part" if rung.withheld else "holds"
+    return "not judged"
 
 
 def verdict(report: Report) -> str:
@@ -28,10 +48,15 @@ def verdict(report: Report) -> str:
     claimed = f"level {level} ({LEVELS[level][0]})"
     if report.footer is None:
         return "The report was cut off: it has no footer. What follows is what there is."
-    if report.broken:
-        n = len(report.broken)
-        return f"It claims {claimed}. {n} of the claims it makes {'fails' if n == 1 else 'fail'}."
-    return f"It claims {claimed}. Every claim it makes holds on every case tried."
+    n = len(report.broken)
+    if n:
+        said = f"{n} of the claims it makes {'fails' if n == 1 else 'fail'}."
+    else:
+        said = "Every claim it makes holds on every case tried."
+    without = report.withheld_to(level)
+    if without:
+        said += f" Of these levels it withholds {', '.join(without)}."
+    return f"It claims {claimed}. {said}"
 
 
 def counted(summary: Summary) -> str:
