@@ -243,6 +243,136 @@ def nodal_lines(psi: ArrayLike, spacing: ArrayLike | None = None) -> list[Curve]
     return intersection_curves(*real_and_imaginary(psi, spacing))
 
 
+# --- table 4, to be read --------------------------------------------------------------------------
+
+
+def plain_marching_faces(
+    first: Field,
+    second: Field,
+    isovalues: tuple[float, float] = (0.0, 0.0),
+    rule: FaceRule = "gradient",
+) -> FacePoints:
+    """The same points as `marching_faces`, by the triple loop of table 4; to be read."""
+    pair = Pair(first, second, isovalues, rule)
+    rows = []
+    for k, index in enumerate(np.ndindex(pair.cells)):
+        b1, b2 = (voxel_config(field, isovalue, index) for field, isovalue in pair.sides)
+        f = FACE_TABLE[b1] & FACE_TABLE[b2] & face_check(index, pair.cells)
+        for j in (j for j in range(6) if f >> j & 1):
+            vertices = np.array(index) + FACE_VERTICES[j]
+            d1, l1 = _plain_lines(pair, 0, vertices, j)
+            d2, l2 = _plain_lines(pair, 1, vertices, j)
+            for uv, heading, edges in plain_intersect_lines(d1, l1, d2, l2):
+                rows.append((vertices, uv, k, j, heading, edges))
+    return _plain_points(pair, rows)
+
+
+def voxel_config(field: Field, isovalue: float, index: tuple[int, ...]) -> int:
+    """VOXELCONFIG (eq. 2) of one voxel: bit c is set where corner c is inside."""
+    i, j, k = index
+    cell = field.values[i : i + 2, j : j + 2, k : k + 2].astype(np.float64)
+    return sum(1 << c for c in range(8) if cell[c & 1, c >> 1 & 1, c >> 2 & 1] >= isovalue)
+
+
+def face_check(index: tuple[int, ...], cells: tuple[int, ...]) -> int:
+    """FACECHECK: the faces that a voxel owns, so that no face is visited twice.
+
+    Faces 0, 2 and 4 always; 1, 3 and 5 only of the last voxel along their axis.
+
+    >>> format(face_check((0, 4, 1), (5, 5, 5)), "06b")
+    '011101'
+    """
+    return sum(1 << f for f in range(6) if f % 2 == 0 or index[f // 2] == cells[f // 2] - 1)
+
+
+def _plain_lines(
+    pair: Pair, side: int, vertices: Integers, face: int
+) -> tuple[list[float], list[tuple[int, int]]]:
+    """FACECONFIG and SETUPLINES: values less the isovalue at the vertices, and the isolines."""
+    field, isovalue = pair.sides[side]
+    d = [float(field.values[tuple(vertex)]) - isovalue for vertex in vertices.tolist()]
+    c = sum(1 << i for i in range(4) if d[i] >= 0)
+    separated = False
+    if c in (0b0110, 0b1001):
+        separated = _plain_separated(pair, field, d, c == 0b1001, vertices, face // 2)
+    return d, isolines(c, separated)
+
+
+def _plain_separated(
+    pair: Pair, field: Field, d: list[float], main: bool, vertices: Integers, axis: int
+) -> bool:
+    """Whether the inside vertices of an ambiguous face are separated, 0 and 3 where `main`."""
+    if pair.rule in ("separated", "joined"):
+        return pair.rule == "separated"
+    if pair.rule == "gradient":
+        whole = np.asarray(np.gradient(field.values.astype(np.float64), *field.spacing))
+        g = whole[:, *vertices.T].mean(axis=1)
+        slope = g[(axis + 1) % 3] * g[(axis + 2) % 3]
+        if slope != 0:
+            return bool((slope > 0) == main)
+    return d[0] * d[3] < d[1] * d[2] if main else d[1] * d[2] < d[0] * d[3]
+
+
+def plain_intersect_lines(
+    d1: list[float], l1: list[tuple[int, int]], d2: list[float], l2: list[tuple[int, int]]
+) -> list[tuple[tuple[float, float], int, tuple[int, int]]]:
+    """INTERSECTLINES on one face: ((u, v), heading, starting edges) of each crossing.
+
+    All ends of lines are sorted as the walk around the face meets them. A line crosses another
+    where exactly one end of the other lies between its own start and its own end.
+    """
+    keys = {
+        (number, e): (e, *_order_on_edge(d, e, number))
+        for number, d in enumerate((d1, d2))
+        for e in range(4)
+        if (d[EDGES[e][0]] >= 0) != (d[EDGES[e][1]] >= 0)
+    }
+    rank = {end: place for place, end in enumerate(sorted(keys, key=lambda end: keys[end]))}
+    n = len(rank)
+    found = []
+    for a in l1:
+        for b in l2:
+            start, stop = rank[0, a[0]], rank[0, a[1]]
+            between = [(rank[1, e] - start) % n < (stop - start) % n for e in b]
+            if between[0] != between[1]:
+                uv = crossing_point(_plain_ends(d1, a), _plain_ends(d2, b))[0]
+                place = (float(uv[0]), float(uv[1]))
+                found.append((place, 1 if between[0] else -1, (a[0], b[0])))
+    return found
+
+
+def _order_on_edge(d: list[float], e: int, number: int) -> tuple[float, float, float]:
+    """Sorts ends on one edge along the walk: position, shift, and which field it is."""
+    low, high = d[EDGES[e][0]], d[EDGES[e][1]]
+    t, shift = low / (low - high), -1 / (high - low)
+    first = 0.0 if number else np.sign(shift)
+    return (t, shift, first) if FORWARD[e] else (-t, -shift, -first)
+
+
+def _plain_ends(d: list[float], line: tuple[int, int]) -> Floats:
+    """(1, 2, 2) coordinates (u, v) of the ends of a line."""
+    ends_uv = []
+    for e in line:
+        low, high = d[EDGES[e][0]], d[EDGES[e][1]]
+        t = low / (low - high)
+        ends_uv.append([(t, 0.0), (1.0, t), (t, 1.0), (0.0, t)][e])
+    return np.array([ends_uv])
+
+
+def _plain_points(pair: Pair, rows: list[tuple[Any, ...]]) -> FacePoints:
+    """`FacePoints` of the rows (vertices, uv, voxel, face, heading, edges)."""
+    n = len(rows)
+    columns = zip(*rows, strict=True) if n else [()] * 6
+    shapes = ((n, 4, 3), (n, 2), (n,), (n,), (n,), (n, 2))
+    vertices, uv, voxels, faces, headings, edges = (
+        np.array(column, float if number == 1 else np.int64).reshape(shape)
+        for number, (column, shape) in enumerate(zip(columns, shapes, strict=True))
+    )
+    positions = pair.first.position(_places(vertices[:, 0], AXES[faces], uv))
+    tangents, confidence = pair.tangents(vertices, uv)
+    return FacePoints(positions, tangents, confidence, voxels, faces, headings, edges, pair.cells)
+
+
 # --- the sweep over the active voxels ----------------------------------------------------------
 
 
@@ -468,136 +598,6 @@ def _meet(a: Floats, b: Floats) -> Floats:
     )
     place: Floats = a[:, 0] + np.clip(s, 0, 1)[:, None] * da
     return place
-
-
-# --- the plain twin ------------------------------------------------------------------------------
-
-
-def plain_marching_faces(
-    first: Field,
-    second: Field,
-    isovalues: tuple[float, float] = (0.0, 0.0),
-    rule: FaceRule = "gradient",
-) -> FacePoints:
-    """The same points as `marching_faces`, by the triple loop of table 4; to be read."""
-    pair = Pair(first, second, isovalues, rule)
-    rows = []
-    for k, index in enumerate(np.ndindex(pair.cells)):
-        b1, b2 = (voxel_config(field, isovalue, index) for field, isovalue in pair.sides)
-        f = FACE_TABLE[b1] & FACE_TABLE[b2] & face_check(index, pair.cells)
-        for j in (j for j in range(6) if f >> j & 1):
-            vertices = np.array(index) + FACE_VERTICES[j]
-            d1, l1 = _plain_lines(pair, 0, vertices, j)
-            d2, l2 = _plain_lines(pair, 1, vertices, j)
-            for uv, heading, edges in plain_intersect_lines(d1, l1, d2, l2):
-                rows.append((vertices, uv, k, j, heading, edges))
-    return _plain_points(pair, rows)
-
-
-def voxel_config(field: Field, isovalue: float, index: tuple[int, ...]) -> int:
-    """VOXELCONFIG (eq. 2) of one voxel: bit c is set where corner c is inside."""
-    i, j, k = index
-    cell = field.values[i : i + 2, j : j + 2, k : k + 2].astype(np.float64)
-    return sum(1 << c for c in range(8) if cell[c & 1, c >> 1 & 1, c >> 2 & 1] >= isovalue)
-
-
-def face_check(index: tuple[int, ...], cells: tuple[int, ...]) -> int:
-    """FACECHECK: the faces that a voxel owns, so that no face is visited twice.
-
-    Faces 0, 2 and 4 always; 1, 3 and 5 only of the last voxel along their axis.
-
-    >>> format(face_check((0, 4, 1), (5, 5, 5)), "06b")
-    '011101'
-    """
-    return sum(1 << f for f in range(6) if f % 2 == 0 or index[f // 2] == cells[f // 2] - 1)
-
-
-def _plain_lines(
-    pair: Pair, side: int, vertices: Integers, face: int
-) -> tuple[list[float], list[tuple[int, int]]]:
-    """FACECONFIG and SETUPLINES: values less the isovalue at the vertices, and the isolines."""
-    field, isovalue = pair.sides[side]
-    d = [float(field.values[tuple(vertex)]) - isovalue for vertex in vertices.tolist()]
-    c = sum(1 << i for i in range(4) if d[i] >= 0)
-    separated = False
-    if c in (0b0110, 0b1001):
-        separated = _plain_separated(pair, field, d, c == 0b1001, vertices, face // 2)
-    return d, isolines(c, separated)
-
-
-def _plain_separated(
-    pair: Pair, field: Field, d: list[float], main: bool, vertices: Integers, axis: int
-) -> bool:
-    """Whether the inside vertices of an ambiguous face are separated, 0 and 3 where `main`."""
-    if pair.rule in ("separated", "joined"):
-        return pair.rule == "separated"
-    if pair.rule == "gradient":
-        whole = np.asarray(np.gradient(field.values.astype(np.float64), *field.spacing))
-        g = whole[:, *vertices.T].mean(axis=1)
-        slope = g[(axis + 1) % 3] * g[(axis + 2) % 3]
-        if slope != 0:
-            return bool((slope > 0) == main)
-    return d[0] * d[3] < d[1] * d[2] if main else d[1] * d[2] < d[0] * d[3]
-
-
-def plain_intersect_lines(
-    d1: list[float], l1: list[tuple[int, int]], d2: list[float], l2: list[tuple[int, int]]
-) -> list[tuple[tuple[float, float], int, tuple[int, int]]]:
-    """INTERSECTLINES on one face: ((u, v), heading, starting edges) of each crossing.
-
-    All ends of lines are sorted as the walk around the face meets them. A line crosses another
-    where exactly one end of the other lies between its own start and its own end.
-    """
-    keys = {
-        (number, e): (e, *_order_on_edge(d, e, number))
-        for number, d in enumerate((d1, d2))
-        for e in range(4)
-        if (d[EDGES[e][0]] >= 0) != (d[EDGES[e][1]] >= 0)
-    }
-    rank = {end: place for place, end in enumerate(sorted(keys, key=lambda end: keys[end]))}
-    n = len(rank)
-    found = []
-    for a in l1:
-        for b in l2:
-            start, stop = rank[0, a[0]], rank[0, a[1]]
-            between = [(rank[1, e] - start) % n < (stop - start) % n for e in b]
-            if between[0] != between[1]:
-                uv = crossing_point(_plain_ends(d1, a), _plain_ends(d2, b))[0]
-                place = (float(uv[0]), float(uv[1]))
-                found.append((place, 1 if between[0] else -1, (a[0], b[0])))
-    return found
-
-
-def _order_on_edge(d: list[float], e: int, number: int) -> tuple[float, float, float]:
-    """Sorts ends on one edge along the walk: position, shift, and which field it is."""
-    low, high = d[EDGES[e][0]], d[EDGES[e][1]]
-    t, shift = low / (low - high), -1 / (high - low)
-    first = 0.0 if number else np.sign(shift)
-    return (t, shift, first) if FORWARD[e] else (-t, -shift, -first)
-
-
-def _plain_ends(d: list[float], line: tuple[int, int]) -> Floats:
-    """(1, 2, 2) coordinates (u, v) of the ends of a line."""
-    ends_uv = []
-    for e in line:
-        low, high = d[EDGES[e][0]], d[EDGES[e][1]]
-        t = low / (low - high)
-        ends_uv.append([(t, 0.0), (1.0, t), (t, 1.0), (0.0, t)][e])
-    return np.array([ends_uv])
-
-
-def _plain_points(pair: Pair, rows: list[tuple[Any, ...]]) -> FacePoints:
-    """`FacePoints` of the rows (vertices, uv, voxel, face, heading, edges)."""
-    n = len(rows)
-    columns = zip(*rows, strict=True) if n else [()] * 6
-    shapes = ((n, 4, 3), (n, 2), (n,), (n,), (n,), (n, 2))
-    vertices, uv, voxels, faces, headings, edges = (
-        np.array(column, float if number == 1 else np.int64).reshape(shape)
-        for number, (column, shape) in enumerate(zip(columns, shapes, strict=True))
-    )
-    positions = pair.first.position(_places(vertices[:, 0], AXES[faces], uv))
-    tangents, confidence = pair.tangents(vertices, uv)
-    return FacePoints(positions, tangents, confidence, voxels, faces, headings, edges, pair.cells)
 
 
 # --- joining -------------------------------------------------------------------------------------

@@ -401,59 +401,32 @@ def _normal(triangle: list[Point]) -> Point:
     return _cross(_minus(triangle[1], triangle[0]), _minus(triangle[2], triangle[0]))
 
 
-# --- joining by identity -------------------------------------------------------------------------
-
-
-def join_segments(segments: Segments) -> list[Curve]:
-    """The segments in order along their curves, by the identity of their nodes.
-
-    A segment is followed by the one that starts on the node it ends on. Ends that are left over
-    (vertices of one surface exactly on the other) are joined where their coordinates are equal,
-    bit for bit. No tolerance is involved. Segments that run both ways are left out.
-    """
-    ends = segments.ends + 0.0  # no negative zeros
-    _, inverse = np.unique(ends.reshape(-1, 3), axis=0, return_inverse=True)
-    places = inverse.reshape(-1, 2)
-    crossing = np.flatnonzero(~_run_both_ways(places))
-    successor = np.full(len(crossing), -1)
-    for names in (segments.nodes, places):
-        _link(names[crossing], successor)
-    found = []
-    for chain, closed in follow(successor):
-        starts, stops = ends[crossing[chain]].transpose(1, 0, 2)
-        points = starts if closed else np.concatenate([starts, stops[-1:]])
-        found += curves_through(points, closed)
-    return found
-
-
-def _run_both_ways(places: Integers) -> Booleans:
-    """Which segments (S, 2) have as many others of the same ends run against them as with them."""
-    heading = np.sign(places[:, 1] - places[:, 0])
-    _, pair = np.unique(np.sort(places, axis=1), axis=0, return_inverse=True)
-    balance = np.bincount(pair.reshape(-1), weights=heading)
-    return np.asarray((balance[pair.reshape(-1)] == 0) & (heading != 0))
-
-
-def _link(nodes: Integers, successor: Integers) -> None:
-    """`successor` filled in: free ends linked to free starts on the same node, in order."""
-    free_end = np.flatnonzero(successor < 0)
-    free_start = np.setdiff1d(np.arange(len(successor)), successor)
-    waiting = defaultdict(list)
-    for segment in free_start.tolist():
-        waiting[int(nodes[segment, 0])].append(segment)
-    for segment in free_end.tolist():
-        candidates = waiting[int(nodes[segment, 1])]
-        if candidates:
-            successor[segment] = candidates.pop(0)
-
-
 # --- joining by distance (section 5) -------------------------------------------------------------
 
 
 def combine_line_segments(
     segments: Segments, shape: tuple[int, ...], threshold: float
 ) -> list[Curve]:
-    """COMBINELINESEGS (table 3): curves by joining, greedily, the closest free ends.
+    """The curves of `greedy_chains`."""
+    curves = []
+    for trace, closed in greedy_chains(segments, shape, threshold):
+        points = [segments.ends[segment, m] for segment, m in trace]
+        if not closed:
+            points.append(segments.ends[trace[-1][0], 1 - trace[-1][1]])
+        curves.append(Curve(np.array(points), closed))
+    return curves
+
+
+Trace = list[tuple[int, int]]
+
+
+def greedy_chains(
+    segments: Segments, shape: tuple[int, ...], threshold: float
+) -> list[tuple[Trace, bool]]:
+    """COMBINELINESEGS (table 3): segments joined greedily, the closest free ends first.
+
+    Each chain is a list of segments in order, each with the end that comes first, and whether the
+    curve is closed.
 
     Parameters
     ----------
@@ -470,20 +443,17 @@ def combine_line_segments(
     unlike `join_segments`, the direction along D is not used, and curves may run either way.
     """
     search = _Neighbourhood(segments, shape, threshold)
-    curves = []
+    chains = []
     for i in range(len(segments.cells)):
         if i in search.used:
             continue
-        trace = [(i, 0)]  # segments of the curve in order, each with the end that comes first
+        trace = [(i, 0)]
         closed = search.extend(trace, backward=True)
         if not closed:
             search.extend(trace, backward=False)
         search.used.update(segment for segment, _ in trace)
-        points = [segments.ends[segment, m] for segment, m in trace]
-        if not closed:
-            points.append(segments.ends[trace[-1][0], 1 - trace[-1][1]])
-        curves.append(Curve(np.array(points), closed))
-    return curves
+        chains.append((trace, closed))
+    return chains
 
 
 @dataclass(eq=False)
@@ -498,7 +468,7 @@ class _Neighbourhood:
         """No segment is used yet."""
         self.used: set[int] = set()
 
-    def extend(self, trace: list[tuple[int, int]], *, backward: bool) -> bool:
+    def extend(self, trace: Trace, *, backward: bool) -> bool:
         """Whether the curve closed while `trace` grew at one end as far as it goes."""
         while True:
             i, first = trace[0] if backward else trace[-1]
@@ -516,7 +486,7 @@ class _Neighbourhood:
                 trace.append(found)
 
     def closest_point(
-        self, i: int, m: int, trace: list[tuple[int, int]], far_end: tuple[int, int]
+        self, i: int, m: int, trace: Trace, far_end: tuple[int, int]
     ) -> tuple[int, int] | None:
         """FINDCLOSESTPOINT: the free end (i', m') closest to end m of segment i, or None.
 
@@ -544,6 +514,60 @@ class _Neighbourhood:
             start, stop = self.segments.count_through(np.array([row + low[2] - 1, row + high[2]]))
             found += range(int(start), int(stop))
         return found
+
+
+# --- joining by identity -------------------------------------------------------------------------
+
+
+def join_segments(segments: Segments) -> list[Curve]:
+    """The segments in order along their curves, by the identity of their nodes.
+
+    A segment is followed by the one that starts on the node it ends on. Ends that are left over
+    (vertices of one surface exactly on the other) are joined where their coordinates are equal,
+    bit for bit. No tolerance is involved. Segments that run both ways are left out.
+    """
+    found = []
+    for chain, closed in segment_chains(segments):
+        starts, stops = segments.ends[chain].transpose(1, 0, 2)
+        points = starts if closed else np.concatenate([starts, stops[-1:]])
+        found += curves_through(points + 0.0, closed)  # no negative zeros
+    return found
+
+
+def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
+    """The indices of the segments along each curve, and whether it is closed."""
+    ends = segments.ends + 0.0  # no negative zeros
+    _, inverse = np.unique(ends.reshape(-1, 3), axis=0, return_inverse=True)
+    places = inverse.reshape(-1, 2)
+    crossing = np.flatnonzero(~_run_both_ways(places))
+    successor = np.full(len(crossing), -1)
+    for names in (segments.nodes, places):
+        _link(names[crossing], successor)
+    return [(crossing[chain], closed) for chain, closed in follow(successor)]
+
+
+def _run_both_ways(places: Integers) -> Booleans:
+    """Which segments (S, 2) have as many others of the same ends run against them as with them."""
+    heading = np.sign(places[:, 1] - places[:, 0])
+    _, pair = np.unique(np.sort(places, axis=1), axis=0, return_inverse=True)
+    balance = np.bincount(pair.reshape(-1), weights=heading)
+    return np.asarray((balance[pair.reshape(-1)] == 0) & (heading != 0))
+
+
+def _link(nodes: Integers, successor: Integers) -> None:
+    """`successor` filled in: free ends linked to free starts on the same node, in order."""
+    free_end = np.flatnonzero(successor < 0)
+    free_start = np.setdiff1d(np.arange(len(successor)), successor)
+    waiting = defaultdict(list)
+    for segment in free_start.tolist():
+        waiting[int(nodes[segment, 0])].append(segment)
+    for segment in free_end.tolist():
+        candidates = waiting[int(nodes[segment, 1])]
+        if candidates:
+            successor[segment] = candidates.pop(0)
+
+
+# --- the whole way --------------------------------------------------------------------------------
 
 
 def intersection_curves(
