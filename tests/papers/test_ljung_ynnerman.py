@@ -1,18 +1,26 @@
 """The reproduction of Ljung & Ynnerman, on small lattices."""
 
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from isoref.surface_intersection import Segments, enhanced_marching_cubes, surface_intersection
 
 from tests.papers.loading import importer
 
 
 @pytest.fixture(scope="module")
-def reproduce() -> ModuleType:
+def module() -> Callable[[str], ModuleType]:
+    """Imports a module of the paper's folder."""
+    return importer("ljung_ynnerman")
+
+
+@pytest.fixture(scope="module")
+def reproduce(module: Callable[[str], ModuleType]) -> ModuleType:
     """The program as a module."""
-    return importer("ljung_ynnerman")("reproduce")
+    return module("reproduce")
 
 
 def test_the_wave_number_brings_the_empty_share_to_the_printed_one(reproduce: ModuleType) -> None:
@@ -41,23 +49,83 @@ def test_table_1_and_figure_1_contradict_each_other(reproduce: ModuleType) -> No
 
 
 def test_tests_grow_with_the_side_and_with_the_root_of_the_triangles(
-    reproduce: ModuleType,
+    module: Callable[[str], ModuleType],
 ) -> None:
     """Figure 6 and appendix A: exponents 1 and 1/2, prediction c1 c2 s."""
-    rows = [reproduce.measure(side, seed, 14.0) for side in (25, 37, 55) for seed in range(3)]
-    assert reproduce.exponent(rows, "trisect", "s")[0] == pytest.approx(1, abs=0.08)
-    assert reproduce.exponent(rows, "xface", "s")[0] == pytest.approx(1, abs=0.08)
-    assert reproduce.exponent(rows, "trisect", "n1")[0] == pytest.approx(0.5, abs=0.04)
+    scaling = module("ljung_scaling")
+    rows = [scaling.count(side, seed, 14.0) for side in (25, 37, 55) for seed in range(3)]
+    assert scaling.exponent(rows, "trisect", "s")[0] == pytest.approx(1, abs=0.08)
+    assert scaling.exponent(rows, "xface", "s")[0] == pytest.approx(1, abs=0.08)
+    assert scaling.exponent(rows, "trisect", "n1")[0] == pytest.approx(0.5, abs=0.04)
     ratio = np.mean([row.trisect * row.s**3 / (row.n1 * row.n2) for row in rows])
     assert ratio == pytest.approx(1, abs=0.15)
 
 
-def test_the_three_ways_of_joining_agree(reproduce: ModuleType) -> None:
+def test_tests_are_counted_as_they_are_done(module: Callable[[str], ModuleType]) -> None:
+    """Counted without being done, they are as many as `surface_intersection` does."""
+    scaling = module("ljung_scaling")
+    pair = scaling.waves(25, 3, 14.0)
+    surfaces = [enhanced_marching_cubes(field, 0.0) for field in pair]
+    assert scaling.count(25, 3, 14.0).trisect == surface_intersection(*surfaces).tests
+
+
+def test_the_fit_finds_the_exponent_of_a_known_law(module: Callable[[str], ModuleType]) -> None:
+    """``(s + 1)^1 exp(-9 / s^2)``: a plain power is off, with border and bend allowed for not."""
+    scaling = module("ljung_scaling")
+    law = [round(1e9 * (s + 1) * np.exp(-9 / s**2)) for s in (24, 48, 96, 192)]
+    rows = [
+        scaling.Counted(s, seed, s**2, s**2, 2 * s, n * (seed + 1))
+        for s, n in zip((24, 48, 96, 192), law, strict=True)
+        for seed in (0, 1)
+    ]
+    assert abs(scaling.exponent(rows, "xface", "s")[0] - 1) > 0.005
+    fitted, half = scaling.exponent(rows, "xface", "s", border=1, bend=True)
+    assert fitted == pytest.approx(1, abs=1e-6)
+    assert half < 1e-6
+
+
+def test_the_three_ways_of_joining_agree(module: Callable[[str], ModuleType]) -> None:
     """As many curves, as many closed; the explicit ones are equally long."""
-    rows = reproduce.joining(24, 14.0, [0]).rows
+    rows = module("ljung_joining").joining(24, 14.0, [0]).rows
     identity, greedy, faces = (row.ours.split(", length ") for row in rows[:3])
     assert identity == greedy
     assert identity[0] == faces[0]
+
+
+@pytest.mark.slow
+def test_the_greedy_joining_is_right_between_rounding_and_the_distance_of_curves(
+    module: Callable[[str], ModuleType],
+) -> None:
+    """Most are broken without a threshold; with 0.1 voxels all but noise, where curves crowd."""
+    joining = module("ljung_joining")
+    faults = 0
+    for name, (pair, isovalues) in joining.fields(24, 14.0, [0]).items():
+        surfaces = [enhanced_marching_cubes(*one) for one in zip(pair, isovalues, strict=True)]
+        segments = surface_intersection(*surfaces)
+        h = max(pair[0].spacing)
+        for share in (1e-12, 1e-6, 0.1):
+            found = joining.compare(segments, surfaces[0].shape, share * h)
+            assert found.right == (name != "noise" or share < 0.1), f"{name}, {share}: {found}"
+        faults += not joining.compare(segments, surfaces[0].shape, 0.0).right
+    assert faults >= 5
+
+
+def test_each_fault_of_a_joining_is_counted(module: Callable[[str], ModuleType]) -> None:
+    """Two parallel lines of two segments: 0.2 apart they are merged, with a gap they are broken."""
+    joining = module("ljung_joining")
+
+    def lines(gap: float) -> Segments:
+        x = np.array([[0, 0.5], [0.5 + gap, 1.0]])
+        ends = np.zeros((4, 2, 3))
+        ends[:, :, 0] = np.concatenate([x, x])
+        ends[2:, :, 1] = 0.2
+        nodes = np.array([[0, 1], [1, 2], [3, 4], [4, 5]])
+        return Segments(ends, nodes, np.zeros(4, np.int64), 0)
+
+    assert joining.compare(lines(0.0), (1, 1, 1), 0.1).right
+    near = joining.compare(lines(0.0), (1, 1, 1), 0.3)
+    assert (near.curves, near.merged, near.shut) == (1, 1, 1)
+    assert str(joining.compare(lines(0.1), (1, 1, 1), 0.05)) == "4: 2 broken"
 
 
 @pytest.mark.slow
@@ -71,17 +139,19 @@ def test_the_whole_program_runs_without_real_data(
     tables = reproduce.main(24, (13, 17, 25), 2, report)
     text = report.read_text(encoding="utf-8")
     assert len(tables) == 7
+    assert "## The greedy joining's threshold" in text
     assert "Skipped: no pictures here." in text
     assert "Skipped: phase vortices in real data" in text
     assert (tmp_path / "ljung_ynnerman" / "figure6.svg").is_file()
 
 
 def test_phase_vortices_of_the_real_volume(
-    reproduce: ModuleType, data: Path, monkeypatch: pytest.MonkeyPatch
+    module: Callable[[str], ModuleType], data: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The headings add up to the winding of the phase on every face of all three echoes."""
     pytest.importorskip("nibabel")
-    monkeypatch.setattr(reproduce, "vortex_picture", lambda *_: None)
-    table, _ = reproduce.vortices(data, Path())
+    vortices = module("ljung_vortices")
+    monkeypatch.setattr(vortices, "vortex_picture", lambda *_: None)
+    table, _ = vortices.vortices(*vortices.complex_mri(data), Path())
     assert [row.ours for row in table.rows if "winding" in row.what] == [0, 0, 0]
     assert next(row.ours for row in table.rows if row.what == "echo 3: points") > 50

@@ -1,0 +1,272 @@
+"""Figures 5 and 6 and Appendix A: how tests and times grow.
+
+The law is of large volumes. Two corrections are known, and the fits say which they allow for:
+
+- a lattice too coarse for the wave misses details. Linear interpolation errs by the square of a
+  voxel's edge, so a count is ``a s^p (1 + b / s^2)``;
+- a lattice of s voxels a side has ``3 s^2 (s + 1)`` faces, those of the border too, so the tests of
+  Marching Faces grow with ``s + 1``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from isograde.reproduction import Table
+from isoref import marching_faces, surface_intersection
+from isoref.curves import real_and_imaginary
+from isoref.field import Field
+from isoref.plane_waves import random_waves
+from isoref.surface_intersection import candidate_pairs, enhanced_marching_cubes
+from ljung_pictures import save
+from scipy import stats
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What Figure 6 plots, for one size and one seed; s is the side in voxels."""
+
+    s: int
+    seed: int
+    n1: int
+    n2: int
+    trisect: int
+    xface: int
+
+
+@dataclass(frozen=True)
+class Timed:
+    """What Figure 5 plots, for one size and one seed: seconds."""
+
+    s: int
+    seed: int
+    n1: int
+    emc_seconds: float
+    isect_seconds: float
+    faces_seconds: float
+
+
+def waves(side: int, seed: int, k: float) -> tuple[Field, Field]:
+    """Waves of a fixed geometry on a lattice of this many samples a side."""
+    return real_and_imaginary(random_waves((side,) * 3, k, seed=seed), 1 / (side - 1))
+
+
+def count(side: int, seed: int, k: float) -> Counted:
+    """The tests of both methods, counted without being done."""
+    first, second = waves(side, seed, k)
+    one, two = (enhanced_marching_cubes(field, 0.0) for field in (first, second))
+    pair = marching_faces.Pair(first, second, (0.0, 0.0), "gradient")
+    return Counted(
+        s=side - 1,
+        seed=seed,
+        n1=len(one.mesh.simplices),
+        n2=len(two.mesh.simplices),
+        trisect=len(candidate_pairs(one, two)[0]),
+        xface=sum(len(voxels) for voxels, _ in pair.candidates()),
+    )
+
+
+def clock(side: int, seed: int, k: float) -> Timed:
+    """The times of both methods."""
+    first, second = waves(side, seed, k)
+    start = time.perf_counter()
+    one, two = (enhanced_marching_cubes(field, 0.0) for field in (first, second))
+    made = time.perf_counter()
+    surface_intersection.surface_intersection(one, two)
+    met = time.perf_counter()
+    marching_faces.marching_faces(first, second)
+    marched = time.perf_counter()
+    return Timed(side - 1, seed, len(one.mesh.simplices), made - start, met - made, marched - met)
+
+
+Rows = Sequence[Counted] | Sequence[Timed]
+
+
+def exponent(
+    rows: Rows, of: str, against: str, *, border: int = 0, bend: bool = False
+) -> tuple[float, float]:
+    """The exponent p of ``of = a (against + border)^p``, and half the width of its 95 % interval.
+
+    It is the mean over the seeds. With `bend` the factor ``1 + b / s^2`` is fitted too, as ``b / s^2`` in the logarithm.
+    """
+    slopes = []
+    for seed in sorted({row.seed for row in rows}):
+        own = [row for row in rows if row.seed == seed]
+        x = np.log([getattr(row, against) + border for row in own])
+        y = np.log([getattr(row, of) for row in own])
+        columns = [np.ones_like(x), x]
+        columns += [np.array([row.s for row in own], float) ** -2] if bend else []
+        slopes.append(float(np.linalg.lstsq(np.stack(columns, axis=1), y)[0][1]))
+    return interval(slopes)
+
+
+def interval(numbers: Sequence[float]) -> tuple[float, float]:
+    """Mean, and half the width of its 95 % interval by Student's t."""
+    n = len(numbers)
+    half = stats.t.ppf(0.975, n - 1) * np.std(numbers, ddof=1) / np.sqrt(n)
+    return float(np.mean(numbers)), float(half)
+
+
+def shown(value: tuple[float, float]) -> str:
+    """Mean and half width, with as many digits as they deserve."""
+    return f"{value[0]:.3f} ± {value[1]:.3f}"
+
+
+def scaling(counted: Sequence[Counted], timed: Sequence[Timed]) -> Table:
+    """The fitted slopes of Figures 5 and 6."""
+    table = Table("Figures 5 and 6: exponents, fitted over sizes, for several seeds")
+    sides = sorted({row.s for row in counted})
+    sizes = f"s from {sides[0]} to {sides[-1]}, {len({row.seed for row in counted})} seeds"
+    for of, against, claimed, border in (
+        ("n1", "s", 2.0, 0),
+        ("trisect", "s", 1.0, 0),
+        ("xface", "s", 1.0, 1),
+        ("trisect", "n1", 0.5, 0),
+        ("xface", "n1", 0.5, 0),
+    ):
+        fits = [(f"{of} over {against}", "a power and nothing else", {})]
+        if border:
+            fits.append((f"{of} over s + 1", "the border's faces allowed for", {"border": 1}))
+        if against == "s":
+            what, note, options = fits[-1]
+            note = "the bend 1 + b / s^2 allowed for" + (", and the border" if border else "")
+            fits.append((what, note, {**options, "bend": True}))
+        for what, note, options in fits:
+            mean, half = exponent(counted, of, against, **options)
+            note = f"{note}; {sizes}; 95 % interval ± {half:.4f}"
+            table.add(what, claimed, round(mean, 4), tolerance=round(half, 4), note=note)
+    table.rows += _times(timed).rows
+    ratio = interval([row.trisect / row.xface for row in counted])
+    note = "the paper: Marching Faces has a smaller constant"
+    table.add("trisect / xface", None, shown(ratio), note=note)
+    return table
+
+
+def _times(rows: Sequence[Timed]) -> Table:
+    """How times grow, and which is the least."""
+    table = Table("")
+    for of in ("emc_seconds", "isect_seconds", "faces_seconds"):
+        note = "time over triangles, this machine; a share of it is constant"
+        table.add(f"{of} over n1", None, shown(exponent(rows, of, "n1")), note=note)
+    sides = sorted({row.s for row in rows})
+    fastest = sum(_faces_fastest([row for row in rows if row.s == s]) for s in sides)
+    what = f"sizes, of {len(sides)}, at which Marching Faces takes the least time"
+    table.add(what, len(sides), fastest, note="the paper: Figure 5; medians over the seeds")
+    return table
+
+
+def _faces_fastest(rows: Sequence[Timed]) -> bool:
+    """Whether Marching Faces takes less time than either half of the explicit way, by medians."""
+    emc, isect, faces = (
+        float(np.median([getattr(row, f"{name}_seconds") for row in rows]))
+        for name in ("emc", "isect", "faces")
+    )
+    return faces < min(emc, isect)
+
+
+def approach(rows: Sequence[Counted]) -> str:
+    """How the counts approach their laws, size by size, as a Markdown table."""
+    lines = [
+        "## Size by size: what should be constant",
+        "",
+        "| s | seeds | N1 / s^2 | triangle tests / s | faces tested / s | faces tested / (s + 1) |",
+        "| ---: | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for s in sorted({row.s for row in rows}):
+        own = [row for row in rows if row.s == s]
+        columns = (
+            interval([row.n1 / s**2 for row in own]),
+            interval([row.trisect / s for row in own]),
+            interval([row.xface / s for row in own]),
+            interval([row.xface / (s + 1) for row in own]),
+        )
+        cells = " | ".join(f"{mean:.2f} ± {half:.2f}" for mean, half in columns)
+        lines.append(f"| {s} | {len(own)} | {cells} |")
+    return "\n".join(lines) + "\n"
+
+
+def appendix_a(rows: Sequence[Counted], side: int, k: float) -> Table:
+    """c1 and c2, the predicted number of tests, and the extreme cases on `side` samples."""
+    table = Table("Appendix A: the probability argument, measured")
+    largest = max(row.s for row in rows)
+    own = [row for row in rows if row.s == largest]
+    for name in ("n1", "n2"):
+        c = interval([getattr(row, name) / row.s**2 for row in own])
+        table.add(f"c{name[1]} = N{name[1]} / s^2", None, shown(c), note=f"s = {largest}")
+    ratios = [row.trisect * row.s**3 / (row.n1 * row.n2) for row in rows]
+    mean, half = interval(ratios)
+    note = f"independent surfaces, all sizes and seeds; 95 % interval ± {half:.3f}"
+    what = "tests / (c1 c2 s)"
+    table.add(what, 1.0, round(mean, 3), tolerance=round(half, 3), note=note)
+    triangles = interval([row.n1 / row.s**3 for row in own])
+    note = "eq. 7 calls it a probability; it is the mean number of triangles"
+    table.add("N1 / s^3", None, shown(triangles), note=note)
+    table.rows += _extremes(side, k).rows
+    return table
+
+
+def _extremes(side: int, k: float) -> Table:
+    """Identical surfaces, and surfaces that never meet."""
+    table = Table("")
+    first, _ = waves(side, 0, k)
+    surface = enhanced_marching_cubes(first, 0.0)
+    n = len(surface.mesh.simplices)
+    tests = surface_intersection.surface_intersection(surface, surface).tests
+    note = "of order N, as the appendix says; a voxel of n triangles has n^2 tests"
+    table.add("identical surfaces: tests / N", None, round(tests / n, 3), note=note)
+    away = enhanced_marching_cubes(first, float(first.values.max()) + 1)
+    tests = surface_intersection.surface_intersection(surface, away).tests
+    table.add("surfaces that never meet: tests", 0, tests)
+    return table
+
+
+def figure_6(rows: Sequence[Counted], path: Path) -> None:
+    """Tests over the side of the volume, each seed a thin line, with the paper's slope."""
+    from matplotlib import pyplot as plt
+    from matplotlib.ticker import NullFormatter
+
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4))
+    for of, colour in (("trisect", "tab:red"), ("xface", "tab:blue")):
+        for panel, against in zip(axes, ("s", "n1"), strict=True):
+            for seed in sorted({row.seed for row in rows}):
+                own = [row for row in rows if row.seed == seed]
+                label = of if seed == rows[0].seed else None
+                x, y = ([getattr(row, name) for row in own] for name in (against, of))
+                panel.plot(x, y, "o-", color=colour, alpha=0.5, ms=3, lw=0.8, label=label)
+    axes[0].set(xlabel="side of the volume (voxels)", ylabel="intersection tests")
+    axes[0].set(xlim=(0, None), ylim=(0, None), title="linear in the side")
+    reach = np.array([min(row.n1 for row in rows), max(row.n1 for row in rows)])
+    start = np.mean([row.trisect for row in rows if row.s == rows[0].s])
+    axes[1].plot(reach, start * np.sqrt(reach / reach[0]), "k--", lw=1, label=r"$\sqrt{N}$")
+    axes[1].set(xlabel="triangles of the first surface", xscale="log", yscale="log")
+    axes[1].set(title="a square root in the triangles")
+    axes[1].xaxis.set_minor_formatter(NullFormatter())
+    for panel in axes:
+        panel.legend(frameon=False)
+        panel.grid(alpha=0.2)
+    save(figure, path)
+
+
+def figure_5(rows: Sequence[Timed], path: Path) -> None:
+    """Times over the number of triangles, median over the seeds."""
+    from matplotlib import pyplot as plt
+
+    figure, panel = plt.subplots(figsize=(6, 4))
+    sizes = sorted({row.s for row in rows})
+    for name, label in (
+        ("emc_seconds", "EMC x 2"),
+        ("isect_seconds", "MC-Isect"),
+        ("faces_seconds", "MF-Points"),
+    ):
+        own = [[row for row in rows if row.s == s] for s in sizes]
+        x = [np.median([row.n1 for row in some]) for some in own]
+        y = [np.median([getattr(row, name) for row in some]) for some in own]
+        panel.loglog(x, y, "o-", ms=4, label=label)
+    panel.set(xlabel="triangles of the first surface", ylabel="seconds, this machine")
+    panel.legend(frameon=False)
+    panel.grid(alpha=0.2, which="both")
+    save(figure, path)
