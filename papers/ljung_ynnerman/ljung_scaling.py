@@ -91,7 +91,8 @@ def exponent(
 ) -> tuple[float, float]:
     """The exponent p of ``of = a (against + border)^p``, and half the width of its 95 % interval.
 
-    It is the mean over the seeds. With `bend` the factor ``1 + b / s^2`` is fitted too, as ``b / s^2`` in the logarithm.
+    It is the mean over the seeds. With `bend` the factor ``1 + b / s^2`` is fitted too, as
+    ``b / s^2`` in the logarithm.
     """
     slopes = []
     for seed in sorted({row.seed for row in rows}):
