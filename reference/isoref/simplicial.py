@@ -386,8 +386,8 @@ def estimated_bytes(
     starts = np.linspace(0, max(len(cells) - RUN, 0), runs).astype(np.int64)
     tried = np.unique(starts[:, None] + np.arange(min(RUN, len(cells))))
     sizes = [bytes_of(part) / max(len(tried), 1) for part in cut(cells[tried])]
-    joining, cutting = JOINING * sizes[-1] * len(cells), CUTTING * max(sizes) * block
-    return max(joining, min(cutting, CUTTING * max(sizes) * len(cells)))
+    whole, largest = sizes[-1] * len(cells), max(sizes) * min(block, len(cells))
+    return max(JOINING * whole, CUTTING * largest)
 
 
 def bytes_of(complex_: Complex) -> int:

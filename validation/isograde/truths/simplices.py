@@ -143,19 +143,22 @@ def contain(corners: Floats, points: Floats, slack: float = 1e-7) -> Booleans:
     return np.asarray(flat & (weights >= -slack).all(axis=1) & (weights.sum(axis=1) <= 1 + slack))
 
 
-def joined(vertices: Floats, simplices: Integers) -> tuple[Floats, Integers]:
-    """Vertices of equal coordinates made one, without the simplices that collapse by it.
+def joined(vertices: Floats, simplices: Integers, slack: float) -> tuple[Floats, Integers]:
+    """Vertices within `slack` of each other made one, without the simplices that collapse by it.
 
     What was closed before, counted by two, is closed after it.
 
-    >>> joined(np.array([[0.0], [1.0], [1.0]]), np.array([[0, 1], [1, 2]]))[1].tolist()
+    >>> joined(np.array([[0.0], [1.0], [1 + 1e-9]]), np.array([[0, 1], [1, 2]]), 1e-6)[1].tolist()
     [[0, 1]]
     """
     distinct, where = np.unique(vertices, axis=0, return_inverse=True)
-    rows = where.ravel()[simplices]
+    i, j = cKDTree(distinct).query_pairs(slack, output_type="ndarray").T
+    near = coo_array((np.ones(len(i)), (i, j)), (len(distinct), len(distinct)))
+    cluster = connected_components(near, directed=False)[1]
+    rows = cluster[where.ravel()][simplices]
     ordered = np.sort(rows, axis=1)
     whole = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)
-    return distinct, rows[whole]
+    return distinct[np.unique(cluster, return_index=True)[1]], rows[whole]
 
 
 def euler_characteristic(simplices: Integers) -> int:
