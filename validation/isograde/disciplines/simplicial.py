@@ -151,6 +151,8 @@ def oriented(mesh: Mesh) -> Finding:
 
 def side(mesh: Mesh, known: Manifold) -> Finding:
     """det(-g_1, .., -g_m, t_1, .., t_k) > 0 on every simplex that is not nearly flat."""
+    if not len(mesh.simplices):
+        return Finding(Verdict.NOT_RUN, "there is no simplex to look at")
     place = mesh.vertices[mesh.simplices]
     frame = np.concatenate([-known.gradients(place.mean(axis=1)), np.diff(place, axis=1)], axis=1)
     determinants = np.linalg.det(frame)
@@ -416,7 +418,8 @@ def pose(variant: str, case: Case, field: Field) -> Field:
 
 
 # Ready-made implementations, by short name.
+_METHODS = ("reference", "printed", "skimage", "contourpy", "pymcubes", "libigl", "vtk")
 READY_MADE: Mapping[str, str] = {
-    f"simplices:{name}": f"python:isograde.doors.simplex_methods:{name}"
-    for name in ("reference", "printed", "skimage", "contourpy")
+    f"simplices:{name}": f"python:isograde.doors.simplex_methods:{name.replace('-', '_')}"
+    for name in (*_METHODS, "vtk-tetrahedra")
 }

@@ -182,7 +182,7 @@ def components(simplices: Integers) -> int:
     2
     """
     used, flat = np.unique(simplices, return_inverse=True)
-    rows = flat.reshape(len(simplices), -1)
+    rows = flat.reshape(simplices.shape)
     pairs = np.concatenate([rows[:, [0, i]] for i in range(simplices.shape[1])])
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(used), len(used)))
     return int(connected_components(graph, directed=False)[0]) if len(used) else 0
