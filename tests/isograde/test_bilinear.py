@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from isograde.truths.bilinear import saddle_sign
-from isoref.field import Floats
+from isograde.truths.bilinear import saddle_sign, saddles
+from isograde.truths.lattice import Lattice
+from isograde.truths.traces import FACES, traces
+from isoref.field import Field, Floats
 from scipy import ndimage
 
 
@@ -40,3 +42,47 @@ def test_large_integers_do_not_round() -> None:
     big = 2**30
     corners = np.array([[big + 1, -big, -big, big - 1], [big + 1, -big, -big, big]])
     assert saddle_sign(corners, 0.0)[0].tolist() == [-1, 1]
+
+
+def test_the_sign_is_that_of_the_value_at_the_saddle() -> None:
+    """Section 2: B(S, T) = (b00 b11 - b10 b01) / (b00 + b11 - b10 - b01), about any isovalue."""
+    rng = np.random.default_rng(0)
+    n, isovalue = 5000, 0.75
+    b = rng.uniform(0.01, 1, (n, 4)) * [1, -1, -1, 1] * rng.choice([-1, 1], (n, 1))
+    value = (b[:, 0] * b[:, 3] - b[:, 1] * b[:, 2]) / (b[:, 0] + b[:, 3] - b[:, 1] - b[:, 2])
+    sign, clarity = saddle_sign(b + isovalue, isovalue)
+    assert np.array_equal(sign, np.sign(value))
+    assert clarity == pytest.approx(saddle_sign(3 * b, 0.0)[1])
+
+
+def test_a_degenerate_saddle_is_told_exactly_about_any_isovalue() -> None:
+    """Values and isovalue in quarters: their differences are exact."""
+    corners = np.array([[0.5, -0.25, -1.0, 0.5], [0.5, -0.25, -1.25, 0.5]])
+    assert saddle_sign(corners + 0.75, 0.75)[0].tolist() == [0, -1]
+
+
+def test_products_too_small_for_a_double_have_their_sign() -> None:
+    """Both products are 0 in double precision: the sign is exact, and not clear."""
+    tiny = 1e-200
+    sign, clarity = saddle_sign(np.array([[2 * tiny, -tiny, -tiny, tiny]]), 0.0)
+    assert (sign.tolist(), clarity.tolist()) == ([1], [0.0])
+
+
+def test_saddles_are_those_of_the_faces_of_the_active_cells() -> None:
+    """Each face cut out of its cell by slicing, its sign from B(S, T)."""
+    values = np.random.default_rng(1).normal(size=(5, 6, 7))
+    lattice = Lattice.of(Field.of(values), 0.25)
+    seen = traces(lattice, np.empty((0, 3)), np.empty((0, 3), np.int64))
+    row, face, sign, _ = saddles(lattice, seen)
+    found = {
+        (*seen.place[r].tolist(), *FACES[f]): s for r, f, s in zip(row, face, sign, strict=True)
+    }
+    expected = {}
+    for i, j, k in np.ndindex(4, 5, 6):
+        cell = values[i : i + 2, j : j + 2, k : k + 2] - 0.25
+        for axis, side in FACES:
+            (a, b), (c, d) = np.take(cell, side // 2, axis)
+            if (a >= 0) == (d >= 0) != (b >= 0) == (c >= 0):
+                expected[i, j, k, axis, side] = np.sign((a * d - b * c) / (a + d - b - c))
+    assert found == expected
+    assert set(expected.values()) == {-1, 1}

@@ -287,3 +287,19 @@ def test_the_saddle_rule_is_the_value_at_the_saddle(size: Any, first: bool) -> N
     value = a * (1 - s) * (1 - t) + c * s * (1 - t) + b * (1 - s) * t + d * s * t
     if abs(value) > 1e-9:
         assert planar.joins(np.array([[a, b], [c, d]]), 0.0)["saddle"] == (value > 0)
+
+
+def test_a_point_is_on_an_edge_where_one_coordinate_is_whole() -> None:
+    """Neither on a sample nor inside a square."""
+    assert planar.edge_of(np.array([2.0, 1.5])) == (2, 1, 1)
+    assert planar.edge_of(np.array([2.5, 1.0])) == (2, 1, 0)
+    assert planar.edge_of(np.array([2.0, 1.0])) is None
+    assert planar.edge_of(np.array([2.5, 1.5])) is None
+
+
+def test_segments_cross_away_from_their_ends_only() -> None:
+    """An end on the other segment, a shared end and a gap are no crossings."""
+    across = np.array([[0.0, 0], [2, 2]])
+    others = np.array([[[0.0, 2], [2, 0]], [[1, 1], [2, 0]], [[2, 2], [3, 0]], [[3, 3], [4, 1]]])
+    assert planar.crossing_pairs(np.stack([across, *others])).tolist() == [[0, 1]]
+    assert planar.crossing_pairs(np.stack([others[1], across])).tolist() == []

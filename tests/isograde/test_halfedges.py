@@ -160,3 +160,29 @@ def test_welding_joins_a_soup() -> None:
     assert len(soup.open_edges) == faces.size
     assert not len(soup.welded().open_edges)
     assert soup.welded().euler == Surface.of(points, faces).euler
+
+
+def test_welding_keeps_the_places_and_takes_both_zeros_for_one() -> None:
+    """A vertex at -0.0 is the vertex at 0.0; no coordinate is rounded."""
+    points = np.array([[0.1, 0, 0], [1, 0, 0], [0, 1e-20, 0], [0.1, -0.0, 0], [0, 0, 1.0]])
+    welded = Surface.of(points, np.array([[0, 1, 2], [3, 2, 4]])).welded()
+    assert welded.points.tolist() == sorted((points[[0, 1, 2, 4]] + 0.0).tolist())
+    assert len(welded.edges.uses) == 5
+
+
+def test_a_flipped_face_stays_in_its_fan() -> None:
+    """Which way a face runs does not change which faces meet at its vertex."""
+    points, faces = closed_noise(8, 4)
+    flipped = faces.copy()
+    flipped[::3] = flipped[::3, ::-1]
+    turned = Surface.of(points, flipped)
+    assert len(turned.misdirected_edges)
+    assert np.array_equal(turned.fans, Surface.of(points, faces).fans)
+
+
+def test_a_face_is_flat_where_its_corners_are_on_a_line() -> None:
+    """However it lies: a face in a plane of the axes has an area."""
+    points = np.concatenate([CORNERS, [[2.0, 0, 0]]])
+    assert Surface.of(points, np.array([[0, 1, 2], [0, 1, 4], [1, 2, 3]])).flat_faces.tolist() == [
+        1
+    ]

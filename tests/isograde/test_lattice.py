@@ -72,3 +72,21 @@ def test_an_edge_is_on_the_border_when_one_side_holds_both_ends() -> None:
 def test_the_crossing_share_is_linear() -> None:
     """From low to high, whichever is larger."""
     assert crossing_share(np.array([0.0, 1.0]), np.array([1.0, 0.0]), 0.25).tolist() == [0.25, 0.75]
+
+
+def test_far_from_the_zero_of_the_coordinates_single_precision_is_still_enough() -> None:
+    """The tolerance grows with the distance, in spacings, as the rounding of a vertex does."""
+    field = Field.of(np.zeros((4, 4, 4)), 0.1, (1e4, -1e4, 1e4))
+    lattice = Lattice.of(field, 0.0)
+    corner = field.position([0, 3, 3])
+    single = corner.astype(np.float32).astype(float)
+    assert (abs(single - corner) > 1e-5).any()
+    assert lattice.index(single[None]).tolist() == [[0, 3, 3]]
+
+
+def test_a_place_is_at_a_tie_where_its_own_sample_is_tied() -> None:
+    """Neither elsewhere on the lattice, nor in the middle of an edge between ties."""
+    lattice = line(1.0, 0.0, -1.0)
+    near = 1 + lattice.reach / 2
+    places = np.array([[1, 0, 0], [near, 1, 0], [0, 0, 0], [1, 0.5, 0], [1.5, 0, 0.0], [9, 0, 0]])
+    assert lattice.at_tie(places).tolist() == [True, True, False, False, False, False]

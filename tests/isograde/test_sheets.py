@@ -137,3 +137,12 @@ def test_single_precision_is_enough() -> None:
     rounded = mesh.vertices.astype(np.float32).astype(float)
     found = judge(rounded, mesh.simplices, index, cells(corners), values.shape)
     assert set(found) == {Fault.NONE}
+
+
+def test_a_sheet_that_is_missing_leaves_its_edges_open() -> None:
+    """Case 4.1 without one of its two sheets: the other is whole."""
+    _, values = far("4.2", 0)
+    mesh = sweep(trilinear_cubes.RULE, Field.of(values), 0.0)
+    assert len(mesh.simplices) == 2
+    assert changed(lambda t: t[1:], values) is Fault.OPEN
+    assert changed(lambda t: t[:1], values) is Fault.OPEN

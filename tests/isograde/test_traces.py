@@ -91,3 +91,52 @@ def test_a_flat_triangle_belongs_to_either_side() -> None:
     found = traces(lattice, places, np.array([[0, 1, 2]]))
     assert found.flat[0] != 0
     assert found.code[0] == 0
+
+
+def test_a_flat_triangle_is_seen_from_both_sides_alike() -> None:
+    """The same pairs in the same order, on the upper face of one cell and the lower of the next."""
+    values = np.random.default_rng(0).normal(size=(2, 2, 3))
+    values[..., 1] = [[1, -1], [-1, 1]]
+    lattice = Lattice.of(Field.of(values), 0.0)
+    places = np.array([[0, 0.5, 1], [0.5, 0, 1], [1, 0.5, 1]])
+    found = traces(lattice, places, np.array([[0, 1, 2]]))
+    lower, upper = (int(bits) for bits in found.flat)
+    assert upper.bit_count() == 3
+    assert lower == upper << 6
+
+
+def test_what_lies_outside_the_volume_is_not_looked_at() -> None:
+    """Triangles in the cells beyond each side, where flat indices would wrap, and their middles."""
+    values = np.random.default_rng(0).normal(size=(4, 4, 4))
+    lattice = Lattice.of(Field.of(values), 0.0)
+    points, faces = measure.marching_cubes(values, 0.0)[:2]
+    places, faces = lattice.index(points.astype(float)), faces.astype(np.int64)
+    alone = traces(lattice, places, faces)
+    corner = np.array([[0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5], [0.3, 0.3, 0.3]])
+    for shift in (*-np.eye(3), *3 * np.eye(3)):
+        more = np.concatenate([places, corner + shift])
+        triangles = np.array([[0, 1, 2], [0, 1, 3]]) + len(places)
+        found = traces(lattice, more, np.concatenate([faces, triangles]))
+        assert np.array_equal(found.code, alone.code)
+        assert np.array_equal(found.triangles, alone.triangles)
+        assert np.array_equal(found.extra, alone.extra)
+
+
+def test_the_eight_cells_at_a_tied_sample_are_tied() -> None:
+    """Whichever of their corners it is."""
+    values = np.random.default_rng(0).normal(size=(5, 5, 5))
+    values[1, 2, 3] = 0.0
+    lattice = Lattice.of(Field.of(values), 0.0)
+    found = traces(lattice, np.empty((0, 3)), np.empty((0, 3), np.int64))
+    beside = (abs(found.place + 0.5 - [1, 2, 3]) < 1).all(axis=1)
+    assert beside.sum() == 8
+    assert np.array_equal(found.tied, beside)
+
+
+def test_vertices_inside_a_cell_are_counted_where_a_face_names_them() -> None:
+    """Neither those on edges and faces, nor those that nothing names."""
+    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(3, 3, 3))), 0.0)
+    places = np.array([[1.5, 0.25, 1.75], [1.5, 0, 1], [1.5, 0, 1.25], [1.25, 0.5, 1.5]])
+    found = traces(lattice, places, np.array([[0, 1, 2]]))
+    cells = {tuple(p.tolist()): int(n) for p, n in zip(found.place, found.extra, strict=True) if n}
+    assert cells == {(1, 0, 1): 1}

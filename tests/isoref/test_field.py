@@ -17,6 +17,8 @@ from isoref.field import Field, FieldError
         ({"values": [1j]}, "not real numbers"),
         ({"values": [1.0], "spacing": 0}, "positive"),
         ({"values": [1.0], "origin": [0, 0]}, "origin"),
+        ({"values": np.zeros((2, 2)), "origin": [0, np.nan]}, "origin"),
+        ({"values": np.zeros((2, 2)), "spacing": [1, np.inf]}, "finite"),
     ],
 )
 def test_what_is_no_field_is_refused_with_what_and_where(
@@ -37,3 +39,9 @@ def test_samples_are_not_copied() -> None:
     """Large volumes are held once."""
     values = np.zeros((3, 3, 3), np.int16)
     assert Field.of(values).values is values
+
+
+def test_a_scalar_field_has_one_component() -> None:
+    """However many samples it has along its first axis."""
+    field = Field.of(np.zeros((3, 4)))
+    assert (field.components, field.shape, field.dimension) == (1, (3, 4), 2)

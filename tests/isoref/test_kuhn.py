@@ -121,3 +121,7 @@ def test_bad_input_is_refused_with_a_reason() -> None:
         interpolate(Field.of(np.zeros((3, 3))), [[0.0, 2.5]])
     with pytest.raises(FieldError, match="no inside"):
         box_simplices([0, 0], [1, 0])
+    with pytest.raises(FieldError, match="no inside"):
+        box_simplices([0, 0], [1])
+    with pytest.raises(FieldError, match="no inside"):
+        box_simplices([[0, 0]], [[1, 1]])

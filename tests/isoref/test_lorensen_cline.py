@@ -3,6 +3,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from isoref import cube, lorensen_cline
+from isoref.cycles import ALL_JOINED, ALL_SEPARATED, cycles
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
@@ -50,3 +51,10 @@ def test_configuration_6_beside_the_complement_of_3_leaves_a_hole_of_four_edges(
     assert len(on_shared_face) == 4
     repaired = METHODS["asymptotic-decider"](Field.of(values), 0.0)
     assert not [e for e in open_edges(repaired) if np.all(repaired.vertices[list(e), 0] == 1)]
+
+
+def test_the_minority_is_cut_apart_and_the_inside_where_there_are_four_and_four() -> None:
+    """Fig. 3: no diagonal of an ambiguous face joins its inside corners, up to four of them."""
+    for signs in range(256):
+        separate = cycles(signs, ALL_SEPARATED if signs.bit_count() <= 4 else ALL_JOINED)
+        assert lorensen_cline.polygons(signs) == separate

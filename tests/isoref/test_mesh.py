@@ -37,3 +37,35 @@ def test_canonical_form_keeps_the_orientation(k: int) -> None:
     back[0, :2] = back[0, 1::-1]
     a, b = Mesh.of(vertices, there).canonical(), Mesh.of(vertices, back).canonical()
     assert not np.array_equal(a.simplices, b.simplices)
+
+
+@pytest.mark.parametrize("arrays", [(np.zeros(3), [[0, 1]]), (np.zeros((3, 3)), [0, 1])])
+def test_arrays_of_one_axis_are_refused(arrays: tuple[object, object]) -> None:
+    """Both the vertices and the simplices have a row each."""
+    with pytest.raises(ValueError, match="must have two axes"):
+        Mesh.of(*arrays)  # type: ignore[arg-type]
+
+
+def test_a_mesh_without_simplices_is_a_mesh() -> None:
+    """With vertices and without."""
+    assert len(Mesh.of(np.zeros((3, 3)), np.empty((0, 3))).canonical().simplices) == 0
+    assert len(Mesh.of(np.empty((0, 3)), np.empty((0, 3))).vertices) == 0
+
+
+@pytest.mark.parametrize("k", [1, 2, 3, 4])
+def test_canonical_form_is_the_same_mesh(k: int) -> None:
+    """The same vertices in sorted order; the same oriented simplices on them."""
+    random = np.random.default_rng(k)
+    mesh = Mesh.of(random.normal(size=(9, k)), [random.permutation(9)[: k + 1] for _ in range(12)])
+    found = mesh.canonical()
+    assert found.vertices.tolist() == sorted(mesh.vertices.tolist())
+    sizes = [
+        {
+            frozenset(map(tuple, place)): round(float(np.linalg.det(np.diff(place, axis=0))), 9)
+            for place in m.vertices[m.simplices].tolist()
+        }
+        for m in (mesh, found)
+    ]
+    assert sizes[0] == sizes[1]
+    if k == 2:
+        assert (found.simplices[:, :1] <= found.simplices).all()

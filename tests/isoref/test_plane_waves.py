@@ -66,6 +66,8 @@ def test_bad_input_is_refused_with_its_number() -> None:
     """What was wrong, where, and what to do."""
     with pytest.raises(FieldError, match="shape"):
         random_waves((0, 4, 4), 5.0)
+    with pytest.raises(FieldError, match="three positive numbers"):
+        random_waves((4, 4), 5.0)  # type: ignore[arg-type]
     with pytest.raises(FieldError, match="wave number nan"):
         random_waves((4, 4, 4), float("nan"))
     with pytest.raises(FieldError, match="0 waves"):
@@ -73,3 +75,21 @@ def test_bad_input_is_refused_with_its_number() -> None:
     with pytest.raises(FieldError, match="margin"):
         bounded_waves((4, 4, 4), 5.0, margin=0.5)
     assert nodal_density(3.0) == pytest.approx(3 / np.pi)
+
+
+def test_bounded_waves_have_their_wave_number_as_nearly_as_the_walls_allow() -> None:
+    """Eq. 6: each component is rounded to a multiple of pi, so the Laplacian is near -k^2 psi."""
+    k, n = 40.0, 97
+    psi = bounded_waves((n, n, n), k, 30, seed=2, margin=0.0)
+    inner = psi[1:-1, 1:-1, 1:-1]
+    ratio = np.vdot(inner, laplacian(psi, 1 / (n - 1))).real / np.vdot(inner, inner).real
+    assert ratio == pytest.approx(-(k**2), rel=0.1)
+
+
+def test_the_slowest_bounded_wave_has_one_hump() -> None:
+    """No component is rounded to zero, which would leave no wave at all."""
+    psi = bounded_waves((9, 9, 9), 0.1, 5, margin=0.0)
+    hump = np.sin(np.pi * np.linspace(0, 1, 9))
+    expected = hump[:, None, None] * hump[:, None] * hump
+    np.testing.assert_allclose(psi, psi[4, 4, 4] * expected, atol=1e-12)
+    assert abs(psi[4, 4, 4]) > 0.1

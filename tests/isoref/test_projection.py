@@ -106,6 +106,8 @@ def test_bad_axes_are_refused_with_a_reason() -> None:
         project(Mesh.empty(4, 2), (0, 1, 4))
     with pytest.raises(FieldError, match="not distinct axes of R"):
         project(Mesh.empty(4, 2), (0, 1, 1))
+    with pytest.raises(FieldError, match="not distinct axes of R"):
+        normals(np.zeros((2, 4)), (0, 1, 4))
     with pytest.raises(FieldError, match="2 axes kept of 4 with 2 components; 3 make"):
         normals(np.zeros((2, 4)), (0, 1))
     assert dropped_axes(4, (1, 2)) == [0, 3]
