@@ -32,7 +32,9 @@ the border of the lattice, whatever the samples are.
 
 Orientation: with g_i the gradient of component i and t_1 .. t_(n-m) the edges of a simplex from
 its first vertex, det(-g_1, .., -g_m, t_1, .., t_(n-m)) > 0. For n = 3, m = 1 this says that
-right-hand normals point from high to low; for n = 2, m = 1 the inside lies to the left.
+right-hand normals point from high to low; for n = 2, m = 1 the inside lies to the left. A point,
+n = m, has no edges and no row can tell its orientation: `jacobian_signs` gives it, the sign of
+det(g_1, .., g_n), and the signs of all points sum to the degree of phi on the border.
 
 References
 ----------
@@ -436,6 +438,30 @@ def to_mesh(complex_: Complex, spacing: Sequence[float], origin: Sequence[float]
         negative = complex_.signs < 0
         rows[negative, -2:] = rows[negative, -2:][:, ::-1]
     return Mesh(complex_.points * spacing + origin, rows)
+
+
+def jacobian_signs(complex_: Complex) -> Integers:
+    """The sign of det(g_1, .., g_n) at each point where n = m: the index of each zero, (S,).
+
+    In the order of the simplices, which is that of the mesh. The signs are combinatorial, like
+    all orientation here: none is 0, even where samples are tied.
+
+    Raises
+    ------
+    FieldError
+        for a complex of anything but points.
+
+    >>> x, y = np.indices((9, 9)) - 4.0
+    >>> squared = Field.of([x * x - y * y, 2 * x * y], dimension=2)
+    >>> jacobian_signs(section_of_field(squared, [3.0, 0.5])).tolist()
+    [1, 1]
+    """
+    n, k = complex_.points.shape[1], complex_.simplices.shape[1] - 1
+    if k:
+        raise FieldError(
+            f"simplices of dimension {k} are oriented by their rows; points need n = m"
+        )
+    return np.asarray(complex_.signs * (-1) ** n)
 
 
 def gradients(

@@ -16,7 +16,14 @@ from isoref import Field, FieldError, Mesh
 from isoref.kuhn import interpolate, lattice_simplices
 from isoref.marching_faces import intersection_curves
 from isoref.simplex_section import RULES
-from isoref.simplicial import extract, extract_plain, gradients, section_of_field, weld
+from isoref.simplicial import (
+    extract,
+    extract_plain,
+    gradients,
+    jacobian_signs,
+    section_of_field,
+    weld,
+)
 from scipy.spatial import cKDTree
 
 KINDS = [(1, 1), (2, 1), (3, 1), (3, 2), (4, 1), (4, 2), (4, 3), (5, 1), (5, 2), (5, 3), (3, 3)]
@@ -297,6 +304,65 @@ def test_as_many_components_as_axes_give_the_roots() -> None:
     roots = [root for root in roots if abs(root[0]) <= 1]
     assert len(mesh.vertices) == len(mesh.simplices) == len(roots)
     np.testing.assert_allclose(mesh.vertices[np.lexsort(mesh.vertices.T[::-1])], roots, atol=0.01)
+
+
+def degree_on_the_border(field: Field) -> float:
+    """How often phi on the border goes round 0, by the angles of its simplices seen from there."""
+    n = field.dimension
+    rows, signs = lattice_simplices(field.shape)
+    rows[signs < 0, :2] = rows[signs < 0, 1::-1]
+    found = truth.facets(rows)
+    border = found.owners == 1
+    ends = field.values.reshape(n, -1).T[found.rows[border]]
+    lengths = np.linalg.norm(ends, axis=2)
+    volume = np.linalg.det(ends)
+    if n == 1:
+        angle = np.sign(volume)
+    elif n == 2:
+        angle = np.arctan2(volume, (ends[:, 0] * ends[:, 1]).sum(axis=1))
+    else:
+        # Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983.
+        pairs = [(0, 1, 2), (0, 2, 1), (1, 2, 0)]
+        dots = [(ends[:, i] * ends[:, j]).sum(axis=1) * lengths[:, k] for i, j, k in pairs]
+        angle = 2 * np.arctan2(volume, lengths.prod(axis=1) + np.sum(dots, axis=0))
+    return float(angle @ found.balance[border] / (2, 2 * pi, 4 * pi)[n - 1])
+
+
+@settings(max_examples=40)
+@given(n=st.integers(1, 3), seed=st.integers(0, 10**6), ties=st.booleans())
+def test_signs_of_points_sum_to_the_degree_on_the_border(n: int, seed: int, ties: bool) -> None:
+    """N = m: whatever the samples inside are, tied ones too; the border has none."""
+    rng = np.random.default_rng(seed)
+    shape = (n, *rng.integers(3, 6, n))
+    values = rng.normal(size=shape)
+    if ties:
+        inside = (slice(None), *[slice(1, -1)] * n)
+        values[inside] = rng.integers(-1, 2, values[inside].shape)
+    field = Field.of(values, dimension=n)
+    total = jacobian_signs(section_of_field(field)).sum()
+    assert total == pytest.approx(degree_on_the_border(field), abs=1e-9)
+
+
+@pytest.mark.parametrize("power", [-3, -2, -1, 1, 2, 3])
+def test_points_of_a_complex_power_have_the_sign_of_their_jacobian(power: int) -> None:
+    """Z^d = c has d roots of index 1; with the conjugate of z, d of index -1."""
+
+    def f(x: Any, y: Any) -> Any:
+        return (x + 1j * y * np.sign(power)) ** abs(power) - 0.3 - 0.2j
+
+    field = sampled(2, 41, 1.2, lambda *x: f(*x).real, lambda *x: f(*x).imag)
+    complex_ = section_of_field(field)
+    signs = jacobian_signs(complex_)
+    assert signs.tolist() == [np.sign(power)] * abs(power)
+    flat = field.values.reshape(2, -1)
+    slopes = gradients(complex_.parents, lambda i: flat[:, i].T, field.shape, field.spacing)
+    assert (np.sign(np.linalg.det(slopes)) == signs).all()
+
+
+def test_only_points_have_jacobian_signs() -> None:
+    """All else is oriented by its rows."""
+    with pytest.raises(FieldError, match="simplices of dimension 1 are oriented by their rows"):
+        jacobian_signs(section_of_field(noise(3, 2, 0)))
 
 
 def test_zeros_change_no_coordinate_by_default_and_epsilon_moves_them() -> None:
