@@ -17,6 +17,7 @@ import numpy as np
 import vesta_census as census
 import vesta_counts as counts
 import vesta_figures as figures
+import vesta_twelve as twelve
 from isograde.fields.volumes import REGISTRY, find, read
 from isograde.proof import prove
 from isograde.reproduction import Table, write_report
@@ -462,7 +463,44 @@ def real_volumes(volumes: dict[str, Field]) -> list[Table | str]:
         faces, differ = counts.differing_decisions(field, isovalue)
         share = f"{100 * differ / faces:.2f} %" if faces else "-"
         saddles.append(f"| {name}, {isovalue:g} | {faces:,} | {differ:,} | {share} |")
-    return ["\n".join(lines + saddles)]
+    return ["\n".join(lines + saddles), twelve_cycles(volumes)]
+
+
+def twelve_cycles(volumes: dict[str, Field]) -> str:
+    """Which volumes have a 12-cycle at any isovalue at all."""
+    lines = [
+        "## 12-cycles, for every isovalue at once",
+        "",
+        "A 12-cycle needs a cell whose one tetrahedron of corners lies above the other: it",
+        "alternates. Seven numbers then say for which isovalues its averages give a 12-cycle",
+        "(`vesta_twelve.py`). The last columns count the long cycles at the isovalue that has most",
+        "12-cycles, cell by cell by Table I, with an open border.",
+        "",
+        "| volume | cells | alternating | with a 12-cycle at some isovalue | most, at isovalue "
+        "| 8 there | 9 there | 12 there |",
+        "| --- " + "| ---: " * 7 + "|",
+    ]
+    none = []
+    for name, field in volumes.items():
+        found = twelve.scan(field.values)
+        lines.append(twelve_row(name, field, found))
+        if not len(found.spans):
+            none.append(
+                f"`{name}` has no 12-cycle at any isovalue: {found.alternating:,} of its "
+                f"{found.cells:,} cells alternate."
+            )
+    return "\n".join([*lines, "", *none])
+
+
+def twelve_row(name: str, field: Field, found: twelve.Twelve) -> str:
+    """One line of the table of 12-cycles."""
+    row = f"| {name} | {found.cells:,} | {found.alternating:,} | {len(found.spans):,} |"
+    if not len(found.spans):
+        return f"{row} - | - | - | - |"
+    isovalue, most = found.richest()
+    there = counts.lengths(counts.signatures(field, isovalue, "mixed", border="open"))
+    numbers = " | ".join(f"{there.get(N, 0):,}" for N in (8, 9, 12))
+    return f"{row} {most:,} at {isovalue:g} | {numbers} |"
 
 
 def volume_row(name: str, field: Field, isovalue: float, mode: str) -> str:

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isoref.field import Field
+from isograde.fields.volumes import REGISTRY, read
+from isoref.field import Field, Integers
 from isoref.freeze_out import contour_stack, correspondence_problems
 from isoref.methods import METHODS
 from isoref.vesta import extract
@@ -16,6 +17,7 @@ from isoref.vesta import extract
 from tests.papers.loading import importer
 
 FOLDER = Path(__file__).parents[2] / "papers" / "schlei_2010"
+FIBERFORM = REGISTRY["fiberform"]
 MODES = ("disconnect", "connect", "mixed")
 
 
@@ -148,6 +150,47 @@ def test_random_values_take_attainable_decisions_only(module: Callable[[str], An
     pairs = set(zip(signs.tolist(), decisions.tolist(), strict=True))
     assert len(pairs) > 300
     assert all(census.attainable(*pair) for pair in pairs)
+
+
+def alternating_noise(seed: int) -> Integers:
+    """Small whole numbers, in every other case with a chessboard under them."""
+    random = np.random.default_rng(seed)
+    values = random.integers(0, 9, (3, 3, 4))
+    return values + (np.indices(values.shape).sum(axis=0) % 2 * 6 if seed % 2 else 0)
+
+
+def test_12_cycles_are_found_at_every_isovalue_at_once(module: Callable[[str], Any]) -> None:
+    """The spans of a scan count what the global algorithm finds, in steps of a quarter."""
+    scan, isovalues = module("vesta_twelve").scan, np.arange(2, 13, 0.25)
+    total = 0
+    for seed in range(24):
+        values = alternating_noise(seed)
+        found = scan(values)
+        traced = [extract(values, a).lengths.get(12, 0) for a in isovalues]
+        assert found.count(isovalues).tolist() == traced
+        total += len(found.spans)
+        if len(found.spans):
+            assert found.richest()[1] == max(traced)
+    assert total > 10
+
+
+def test_a_12_cycle_needs_three_faces_that_join_and_three_that_do_not(
+    module: Callable[[str], Any],
+) -> None:
+    """16 of the 64 sets of decisions, in either tetrahedron; no other signs have any."""
+    has_twelve = module("vesta_twelve").has_twelve
+    with_twelve = {signs: np.flatnonzero(has_twelve(signs)) for signs in range(256)}
+    found = {signs: sets for signs, sets in with_twelve.items() if len(sets)}
+    assert [len(sets) for sets in found.values()] == [16, 16]
+    assert all(int(bits).bit_count() == 3 for sets in found.values() for bits in sets)
+
+
+def test_fiberform_has_no_12_cycle_at_any_isovalue(
+    module: Callable[[str], Any], data: Path
+) -> None:
+    """A proved fact of this crop: in none of its cells one tetrahedron lies above the other."""
+    found = module("vesta_twelve").scan(read(data / "fiberform.tif", volume=FIBERFORM).values)
+    assert (found.cells, found.alternating, len(found.spans)) == (970_299, 0, 0)
 
 
 def test_six_configurations_differ_from_the_templates(module: Callable[[str], Any]) -> None:
