@@ -8,7 +8,9 @@ import isoref.marching_faces
 import numpy as np
 import pytest
 from isograde.disciplines import curves as discipline
-from isograde.disciplines.curves import CLAIMS, COARSE, Extract, cases, known_curves
+from isograde.disciplines.curves import CLAIMS, Extract, cases, known_curves
+from isograde.disciplines.curves.cases import COARSE
+from isograde.disciplines.polylines import complaint, unstacked
 from isograde.doors import curve_methods, open_door
 from isograde.model import Declaration, Finding, Limits, Request
 from isograde.truths.space_curves import Points, is_closed
@@ -20,10 +22,12 @@ from tests.isograde.judging import Here, grade
 Change = Callable[[list[Points]], list[Points]]
 
 
-def graded(function: Extract, only: tuple[str, ...] = ()) -> dict[tuple[str, str], Finding]:
+def graded(
+    function: Extract, only: tuple[str, ...] = (), identical: str = "nothing"
+) -> dict[tuple[str, str], Finding]:
     """Every finding on this function, by case and claim; on some cases only, by their names."""
     asked = [case for case in cases() if not only or case.id.removeprefix("curves/") in only]
-    declaration = Declaration("here", discipline="curves")
+    declaration = Declaration("here", discipline="curves", identical=identical)
     findings = grade(Here(discipline.through_door(function), "curves"), declaration, asked)
     return {(case, claim): finding for case, claim, finding in findings}
 
@@ -180,11 +184,16 @@ BROKEN: dict[str, tuple[Extract, str, set[str]]] = {
     "well-formed": (
         changed(lambda curves: [*curves, curves[0][:1]]),
         "two-spheres",
-        {"whole", "no-point-twice", "count"},
+        {claim.id.removeprefix("curves.") for claim in CLAIMS},
     ),
     "nothing": (
         changed(lambda curves: curves or [np.array([[0, 0.1, 0.1], [0, 0.2, 0.2]])]),
         "apart",
+        set(),
+    ),
+    "identical": (
+        changed(lambda curves: curves or [np.array([[0, 0.1, 0.1], [0, 0.2, 0.2]])]),
+        "identical",
         set(),
     ),
     "whole": (changed(opened), "two-spheres", {"count", "linking", "swapped"}),
@@ -220,6 +229,14 @@ def test_a_broken_one_is_caught_by_its_claim_and_what_follows(claim: str) -> Non
     assert found <= {claim, *follows}
 
 
+def test_who_states_no_answer_for_identical_surfaces_is_not_judged_by_one() -> None:
+    """Any list of curves will do, and none is counted for it."""
+    function, case, _ = BROKEN["identical"]
+    found = graded(function, (case,), identical="")
+    assert found.pop(("curves/identical", "curves.identical")).verdict == "unsupported"
+    assert {finding.verdict for finding in found.values()} == {"pass"}
+
+
 def test_an_answer_that_depends_on_the_order_of_the_fields_is_otherwise_right() -> None:
     """No other claim sees it, on any of these cases."""
     found = faults(by_order, QUICK)
@@ -240,8 +257,8 @@ def test_an_error_and_an_answer_of_the_wrong_shape_are_told_apart_from_failures(
         outcome = Here(discipline.through_door(function), "curves").run(
             Request(case.id, "plain", field, 0.0)
         )
-        assert discipline.polylines(outcome) is None
-        assert word in outcome.detail
+        assert unstacked(outcome, 3) is None
+        assert word in complaint(outcome, 3)
     found = {finding.verdict for finding in graded(raises, QUICK).values()}
     assert found == {"error"}
 

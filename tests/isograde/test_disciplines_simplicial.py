@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.disciplines import simplicial
-from isograde.disciplines.simplicial import CLAIMS, READY_MADE, cases
+from isograde.disciplines import simplices
+from isograde.disciplines.simplices import CLAIMS, READY_MADE, cases
 from isograde.doors import simplex_methods
 from isograde.doors.simplex_methods import (
     isoref_printed_tables,
@@ -27,7 +27,7 @@ Simplices = Callable[[Any, tuple[float, ...]], Any]
 
 def here(function: Simplices) -> Here:
     """A door to the function."""
-    return Here(simplicial.through_door(function), "simplices")
+    return Here(simplices.through_door(function), "simplices")
 
 
 def verdicts(function: Simplices, asked: Iterable[Case]) -> dict[str, set[Verdict]]:
@@ -206,7 +206,7 @@ def test_an_implementation_that_raises_is_an_error_not_a_pass() -> None:
         def run(self, request: Request) -> Outcome:
             return Outcome(Status.RAISED, detail="ValueError: no")
 
-    door = Raising(simplicial.through_door(isoref_simplices), "simplices")
+    door = Raising(simplices.through_door(isoref_simplices), "simplices")
     said = {f.verdict for _, _, f in grade(door, DECLARATION, [CASES["circle"]])}
     assert said == {Verdict.ERROR}
 

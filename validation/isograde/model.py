@@ -89,6 +89,8 @@ class Declaration:
     # How it resolves every ambiguous face, where it promises that: "disconnect" the inside
     # corners, "connect" them, or "mixed", by the average of the face (`cases.cycles`).
     connectivity: str = ""
+    # What it answers for two surfaces that are the same, where it promises that: "nothing".
+    identical: str = ""
 
 
 @dataclass(frozen=True)

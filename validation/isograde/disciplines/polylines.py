@@ -3,21 +3,26 @@
 The pair is the points of all polylines (V, d), one polyline after the other, and for each point the
 number of its polyline (V,) or (V, 1). It takes the places of vertices and faces. Python functions
 return a list of arrays, and `stacked` makes the pair; programs and folders give the pair. The
-disciplines `contours` and `curves` share it.
+disciplines `contours` and `curves` share it, and what is right for polylines of either kind.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isograde.model import Outcome, Status
+from isograde.claims.evidence import VERDICT_OF, failed, passed
+from isograde.model import Finding, Outcome, Status, Trial, Verdict
 
 Polylines = list[NDArray[np.float64]]
 Pair = tuple[NDArray[np.float64], NDArray[np.int64]]
+Point = NDArray[np.float64]
+
+# An end counts as on the border within this share of the extent of the lattice: single precision.
+ROUNDING = 1e-6
 
 
 def stacked(parts: Iterable[ArrayLike], d: int, kind: str) -> Pair:
@@ -73,6 +78,85 @@ def declare(
     extract.adapted = True  # type: ignore[attr-defined]
     extract.declaration = {  # type: ignore[attr-defined]
         "name": getattr(function, "__name__", discipline),
+        **getattr(function, "declaration", {}),
         "discipline": discipline,
     }
     return extract
+
+
+def judged(
+    name: str,
+    judge: Callable[[Polylines, Trial], Finding],
+    read: Callable[[Trial], Polylines | None],
+    d: int,
+    kind: str,
+) -> Callable[[Trial], Finding]:
+    """`judge`, for polylines that `read` finds in a trial and that are well formed.
+
+    Otherwise the finding says how the call failed; where the polylines are not well formed, only
+    the claim of this name fails.
+    """
+
+    def decide(trial: Trial) -> Finding:
+        parts = read(trial)
+        if parts is None:
+            verdict = VERDICT_OF.get(trial.plain.status, Verdict.FAIL)
+            return Finding(verdict, complaint(trial.plain, d))
+        if name != "well-formed" and well_formed(parts, kind).verdict is Verdict.FAIL:
+            return Finding(Verdict.NOT_RUN, f"the {kind}s are not well formed")
+        return judge(parts, trial)
+
+    return decide
+
+
+def is_closed(part: Point) -> bool:
+    """Whether the polyline ends where it began."""
+    return len(part) > 1 and bool((part[0] == part[-1]).all())
+
+
+def well_formed(parts: Polylines, kind: str) -> Finding:
+    """Every polyline has at least two points, all of them finite."""
+    for number, part in enumerate(parts):
+        if len(part) < 2:
+            return failed(f"{kind} {number} has {len(part)} point", part=number)
+        if not np.isfinite(part).all():
+            return failed(f"{kind} {number} has a coordinate that is not finite", part=number)
+    return passed(parts=len(parts))
+
+
+def nothing(parts: Polylines, kind: str) -> Finding:
+    """There is no polyline."""
+    return failed(f"{len(parts)} {kind}s where there is none") if parts else passed()
+
+
+def whole(parts: Polylines, low: Point, high: Point, kind: str) -> Finding:
+    """Every polyline is closed or has both ends on the border of the box from `low` to `high`."""
+    near = ROUNDING * float((high - low).max())
+    for number, part in enumerate(parts):
+        for end in part[:0] if is_closed(part) else part[[0, -1]]:
+            if min(np.abs(end - low).min(), np.abs(end - high).min()) > near:
+                at = end.round(6).tolist()
+                return failed(f"{kind} {number} ends inside, at {at}", part=number, at=at)
+    return passed(closed=sum(map(is_closed, parts)))
+
+
+def no_point_twice(parts: Polylines) -> Finding:
+    """No two points are equal, but for the last point of a closed polyline."""
+    points = [part[:-1] if is_closed(part) else part for part in parts]
+    if not points:
+        return passed(points=0)
+    places, times = np.unique(np.concatenate(points) + 0.0, axis=0, return_counts=True)
+    if (times > 1).any():
+        at, repeated = places[times.argmax()].tolist(), int((times > 1).sum())
+        return failed(f"{repeated} points come twice, such as {at}", points=repeated, at=at)
+    return passed(points=len(places))
+
+
+def count(parts: Polylines, known: Mapping[str, Any]) -> Finding:
+    """As many closed and open polylines as are known."""
+    closed = sum(map(is_closed, parts))
+    found = {"closed": closed, "open": len(parts) - closed}
+    expected = {kind: known[kind] for kind in ("closed", "open")}
+    if found != expected:
+        return failed(f"{found}, where there are {expected}", found=found, expected=expected)
+    return passed(**found)

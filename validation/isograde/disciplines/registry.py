@@ -13,7 +13,7 @@ from isoref.field import Field
 
 from isograde import variants
 from isograde.claims import CLAIMS
-from isograde.disciplines import contours, curves, simplicial
+from isograde.disciplines import contours, curves, simplices
 from isograde.fields import all_cases
 from isograde.model import Case, Claim, DoorError
 
@@ -73,7 +73,7 @@ DISCIPLINES: dict[str, Discipline] = {
     "surfaces": Discipline(all_cases, CLAIMS, pose_surfaces, SURFACES),
     **{
         name: _discipline(module.cases, module.CLAIMS, module.pose, module.LAYOUT)
-        for name, module in (("contours", contours), ("curves", curves), ("simplices", simplicial))
+        for name, module in (("contours", contours), ("curves", curves), ("simplices", simplices))
     },
 }
 ALL_CLAIMS: dict[str, Claim] = {
@@ -82,7 +82,7 @@ ALL_CLAIMS: dict[str, Claim] = {
 READY_MADE: dict[str, str] = {
     **contours.READY_MADE,
     **curves.READY_MADE,
-    **simplicial.READY_MADE,
+    **simplices.READY_MADE,
 }
 
 

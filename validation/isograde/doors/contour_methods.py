@@ -13,13 +13,14 @@ from isoref.diconex import diconex
 from isoref.field import Field
 from numpy.typing import NDArray
 
-from isograde.disciplines.contours import Contours, Extract, through_door
+from isograde.disciplines.contours import Extract, through_door
+from isograde.disciplines.polylines import Polylines
 
 
 def _reference(mode: Any) -> Extract:
     """DICONEX in this mode."""
 
-    def extract_contours(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Contours:
+    def extract_contours(values: Any, isovalue: float, spacing: tuple[float, ...]) -> Polylines:
         return diconex(Field.of(values, spacing), isovalue, mode=mode).polygons()
 
     extract_contours.__name__ = f"isoref:diconex-{mode}"

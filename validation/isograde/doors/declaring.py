@@ -10,6 +10,7 @@ house's: level 2, the conventions of `isograde.model.Conventions`, nothing withh
      "without": ["linear-crossing"], "discipline": "surfaces", "notes": "reads float32 only"}
 
 ``connectivity`` ("disconnect", "connect" or "mixed") promises how every ambiguous face is resolved.
+``identical`` ("nothing") promises that two surfaces which are the same have no curve in common.
 ``without`` names properties the implementation does not promise; a claim about one of them is
 unsupported, neither held against it nor counted for it:
 

@@ -109,14 +109,14 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
 
 
 # Disciplines whose functions have a signature of their own, adapted by their `through_door`.
-OWN_SIGNATURE = {"curves": "curves", "contours": "contours", "simplices": "simplicial"}
+OWN_SIGNATURE = ("contours", "curves", "simplices")
 
 
 def _as_called(function: Any, declaration: Declaration) -> Extract:
     """The function as the worker calls it, whatever the signature of its discipline."""
     name = declaration.discipline
     if name in OWN_SIGNATURE and not getattr(function, "adapted", False):
-        discipline = importlib.import_module(f"isograde.disciplines.{OWN_SIGNATURE[name]}")
+        discipline = importlib.import_module(f"isograde.disciplines.{name}")
         adapted: Extract = discipline.through_door(function)
         return adapted
     extract: Extract = function

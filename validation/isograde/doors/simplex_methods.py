@@ -1,6 +1,6 @@
 """Ready-made implementations of ``simplices``: the reference, and the libraries people use.
 
-Each is a function as the doors call it (`isograde.disciplines.simplicial.through_door`). A library
+Each is a function as the doors call it (`isograde.disciplines.simplices.through_door`). A library
 is loaded only in the worker process that runs it, and declines every kind (n, m) it has no answer
 for::
 
@@ -26,7 +26,7 @@ from isoref.field import Field
 from isoref.kuhn import lattice_simplices
 from isoref.simplicial import extract as reference_extract
 
-from isograde.disciplines.simplicial import Extract, through_door
+from isograde.disciplines.simplices import Extract, through_door
 
 Spacing = tuple[float, ...]
 

@@ -1,0 +1,170 @@
+"""Fields in the plane: known shapes, every square, every saddle, noise, ties and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from isoref.field import Field
+
+from isograde.model import Case
+from isograde.truths.planar import Points
+
+
+def cases(seed: int = 0) -> list[Case]:
+    """Every case of the discipline, deterministic for a seed."""
+    listed = [
+        _case("disc", _disc, 0.0, {"generic", "known"}, _round(2.5, 0.3, closed=1)),
+        _case("annulus", _annulus, 0.0, {"generic", "known"}, _annular()),
+        _case("two-discs", _two_discs, 0.0, {"generic", "known"}, _round(1.5, 0.3, closed=2)),
+        _case("border", _border, 0.0, {"generic", "open"}, {"closed": 0, "open": 2}),
+        _case("waves", partial(_waves, seed), 0.1, {"generic"}, {}),
+        _case("noise", partial(_noise, seed), 0.05, {"generic"}, {}),
+        _case("narrow", partial(_narrow, seed), 0.0, {"generic"}, {}),
+        _case("bytes", partial(_bytes, seed), 99.5, {"generic"}, {}),
+        _case("integers", _integers, 9.0, {"ties"}, {}),
+        _case("constant", _constant, 0.5, {"empty"}, {}),
+        _case("at-the-constant", _constant, 1.0, {"empty"}, {}),
+        _case("out-of-range", _integers, 1000.0, {"empty"}, {}),
+    ]
+    for signs in range(16):
+        listed.append(_case(f"square-{signs:04b}", partial(_square, signs), 0.0, {"generic"}, {}))
+    for mean in (False, True):
+        for saddle in (False, True):
+            name = f"saddle-{'mean-in' if mean else 'mean-out'}-{'in' if saddle else 'out'}"
+            listed.append(_case(name, partial(_saddle, mean, saddle), 0.0, {"generic"}, {}))
+    return listed
+
+
+def _case(
+    name: str,
+    build: Callable[[], Field],
+    isovalue: float,
+    tags: set[str],
+    facts: Mapping[str, Any],
+) -> Case:
+    """A case of this discipline."""
+    size = build().values.size
+    return Case(
+        f"contours/{name}", build, isovalue, size, frozenset({"contours", *tags}), dict(facts)
+    )
+
+
+def _plane(n1: int = 25, n2: int = 29) -> tuple[Points, Points, tuple[float, float]]:
+    """Coordinates over -3.6 to 3.6 and -4.2 to 4.2 in squares of 0.3."""
+    x, y = np.meshgrid(
+        0.3 * (np.arange(n1) - (n1 - 1) / 2), 0.3 * (np.arange(n2) - (n2 - 1) / 2), indexing="ij"
+    )
+    return x, y, (0.3, 0.3)
+
+
+def _round(radius: float, h: float, *, closed: int) -> dict[str, Any]:
+    """What is known of discs of this radius sampled by their distance, in squares of side h.
+
+    A chord of length up to sqrt(2) h lies h^2 / 4 r inside the circle at most, and interpolation
+    errs by h^2 / 8 r: both times the length of the circle bounds the area's error.
+    """
+    length = 2 * np.pi * radius
+    error = length * (h**2 / (4 * radius) + h**2 / (8 * radius)) * closed
+    total = closed * np.pi * radius**2 / h**2
+    return {"closed": closed, "open": 0, "area": total, "tolerance": error / h**2}
+
+
+def _annular() -> dict[str, Any]:
+    """What is known of the annulus."""
+    outer, inner = _round(3.2, 0.3, closed=1), _round(1.4, 0.3, closed=1)
+    return {
+        "closed": 2,
+        "open": 0,
+        "area": outer["area"] - inner["area"],
+        "tolerance": outer["tolerance"] + inner["tolerance"],
+    }
+
+
+def _disc() -> Field:
+    """The distance to a circle."""
+    x, y, h = _plane()
+    return Field.of(2.5 - np.hypot(x - 0.031, y + 0.017), h)
+
+
+def _annulus() -> Field:
+    """The distance to two circles, the inside between them."""
+    x, y, h = _plane()
+    return Field.of(0.9 - np.abs(np.hypot(x - 0.031, y + 0.017) - 2.3), h)
+
+
+def _two_discs() -> Field:
+    """The distance to the nearer of two circles."""
+    x, y, h = _plane()
+    nearer = np.minimum(np.hypot(x - 0.7, y - 2.11), np.hypot(x + 0.6, y + 1.97))
+    return Field.of(1.5 - nearer, h)
+
+
+def _border() -> Field:
+    """A band that leaves the lattice on two sides, in oblong squares."""
+    x, y, _ = _plane()
+    return Field.of(1.03 - np.abs(x + 0.2 * np.sin(y)), (0.5, 2.0))
+
+
+def _waves(seed: int) -> Field:
+    """Twelve plane waves of one length."""
+    chance = np.random.default_rng(seed)
+    x, y, h = _plane()
+    angles, phases = chance.uniform(0, 2 * np.pi, (2, 12))
+    sums = [np.cos(3 * (x * np.cos(a) + y * np.sin(a)) + p) for a, p in zip(angles, phases)]  # noqa: B905
+    return Field.of(np.sum(sums, axis=0), h)
+
+
+def _noise(seed: int) -> Field:
+    """Independent normal numbers: every square, and every saddle."""
+    return Field.of(np.random.default_rng(seed + 1).normal(size=(16, 19)), (1.0, 0.25))
+
+
+def _narrow(seed: int) -> Field:
+    """Noise two samples wide: squares with borders on both sides."""
+    return Field.of(np.random.default_rng(seed + 2).normal(size=(2, 24)))
+
+
+def _bytes(seed: int) -> Field:
+    """Noise in bytes, with an isovalue between them."""
+    return Field.of(np.random.default_rng(seed + 3).integers(0, 200, (14, 12)).astype(np.uint8))
+
+
+def _integers() -> Field:
+    """A disc in small integers: samples on the isovalue."""
+    x, y = np.indices((9, 9)) - 4
+    return Field.of(18 - x**2 - y**2)
+
+
+def _constant() -> Field:
+    """One value everywhere."""
+    return Field.of(np.ones((5, 6)))
+
+
+def _square(signs: int) -> Field:
+    """One square with these corners inside: bit c for the corner (c & 1, c >> 1)."""
+    size = np.random.default_rng(signs).uniform(0.1, 1, 4)
+    corners = np.where([signs >> c & 1 for c in range(4)], size, -size)
+    return Field.of(corners.reshape(2, 2).T)
+
+
+def _saddle(mean: bool, saddle: bool) -> Field:
+    """An ambiguous square whose mean and whose saddle are inside or outside as told."""
+    # Opposite corners a, d inside, b, c outside: a + d > b + c joins by mean, ad > bc by saddle.
+    a, d, b, c = {
+        (True, True): (0.9, 0.7, 0.4, 0.3),
+        (False, False): (0.4, 0.3, 0.9, 0.7),
+        (True, False): (1.3, 0.1, 0.6, 0.5),
+        (False, True): (0.6, 0.5, 1.3, 0.1),
+    }[mean, saddle]
+    return Field.of([[a, -b], [-c, d]])
+
+
+def pose(variant: str, case: Case, field: Field) -> Field:
+    """The field of a variant: ``plain`` or ``transposed``."""
+    if variant == "transposed":
+        values = np.ascontiguousarray(field.values.T)
+        return Field.of(values, field.spacing[::-1], field.origin[::-1])
+    return field
