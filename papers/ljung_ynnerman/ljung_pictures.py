@@ -41,14 +41,21 @@ def figure_1(
     for panel, (surface, colour) in enumerate(zip(surfaces, ("#d9a441", "#5b8fc7"), strict=True)):
         plotter.subplot(0, panel)
         mesh = pv.PolyData.from_regular_faces(surface.vertices, surface.simplices)
-        plotter.add_mesh(mesh, color=colour, smooth_shading=True, specular=0.3)
+        plotter.add_mesh(mesh, color=colour, smooth_shading=True, specular=0.1)
     plotter.subplot(1, 0)
     plotter.add_mesh(tubes(curves, 0.004), scalars="colour", rgb=True)
     plotter.subplot(1, 1)
     plotter.add_mesh(shaded_points(points), scalars="light", cmap="bone", point_size=4.5,
                      render_points_as_spheres=False, show_scalar_bar=False)  # fmt: skip
-    for row, column in np.ndindex(2, 2):
+    captions = (
+        f"(a) real part, {len(surfaces[0].simplices):,} triangles",
+        f"(b) imaginary part, {len(surfaces[1].simplices):,} triangles",
+        f"(c) {len(curves)} curves as four-sided tubes",
+        f"(d) {len(points):,} points, shaded by their tangents",
+    )
+    for (row, column), caption in zip(np.ndindex(2, 2), captions, strict=True):
         plotter.subplot(row, column)
+        plotter.add_text(caption, position="lower_edge", font_size=9, color="white")
         plotter.set_background("#15202b")
         plotter.camera_position = [(2.75, 2.2, 1.8), (0.5, 0.5, 0.47), (0, 0, 1)]
     _screenshot(plotter, path)
@@ -87,7 +94,7 @@ def _screenshot(plotter: Any, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     pixels = plotter.screenshot(return_img=True)
     plotter.close()
-    Image.fromarray(pixels).quantize(128).save(path, optimize=True)
+    Image.fromarray(pixels).quantize(256).save(path, optimize=True)
 
 
 def vortex_picture(
