@@ -1,0 +1,154 @@
+"""The claim of level 4: right answers pass, each fault is told, what is a tie is not judged."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+from isograde.claims import trilinear as family
+from isograde.model import Case, Declaration, Finding, Outcome, Status, Trial, Verdict
+from isograde.truths.trilinear import active_cells, cells
+from isograde.truths.trilinear_cases import case_names
+from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
+from isoref.field import Array, Field, Floats
+from isoref.mesh import Mesh
+from isoref.rule import Rule
+from isoref.sweep import sweep
+
+from tests.isograde.miniatures import Place, asymptotic, careful_fan, made
+
+(CLAIM,) = family.CLAIMS
+Extract = Callable[[Field], Mesh]
+
+
+def by(rule: Rule) -> Extract:
+    """The sweep of a rule at 0."""
+    return lambda field: sweep(rule, field, 0.0)
+
+
+right = by(trilinear_cubes.RULE)
+
+
+def judged(extract: Extract, values: Array) -> Finding:
+    """What the claim says of an extractor on these values at 0."""
+    field = Field.of(values, (1, 0.5, 2), (3, -1, 0))
+    mesh = extract(field)
+    case = Case("test", lambda: field, 0.0, field.values.size)
+    outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+    return CLAIM.judge(Trial(case, field, Declaration("test"), {"plain": outcome}))
+
+
+def noise(n: int = 12) -> Floats:
+    """Noise without ties, in odd steps of 1/1024."""
+    values = np.random.default_rng(8).normal(size=(n, n, n))
+    return np.asarray((2 * np.rint(512 * values) + 1) / 1024)
+
+
+def names_of(values: Floats) -> dict[tuple[int, ...], str]:
+    """The case of each cell of the surface, by its lowest corner."""
+    index, corners = active_cells(values, 0.0)
+    places = map(tuple, index.tolist())
+    return dict(zip(places, map(str, case_names(cells(corners))), strict=True))
+
+
+def without_one(field: Field) -> Mesh:
+    """The right answer without its first triangle."""
+    mesh = right(field)
+    return Mesh(mesh.vertices, mesh.simplices[1:])
+
+
+# Implementations that the claim catches, and the faults that are theirs.
+BROKEN: dict[str, tuple[Extract, set[str]]] = {
+    "no tunnels": (by(asymptotic_decider.RULE), {"missing tunnel"}),
+    "fixed polarity": (by(lorensen_cline.RULE), {"missing tunnel", "wrong face"}),
+    "a hole": (without_one, {"hole"}),
+}
+
+
+def test_the_right_answer_passes_and_every_cell_is_counted() -> None:
+    """By the cases' names, as many as the surface has cells."""
+    finding = judged(right, noise())
+    assert finding.verdict is Verdict.PASS
+    names = names_of(noise())
+    assert finding.numbers == {"cells": len(names), "cases": dict(Counter(names.values()))}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_one_is_caught_and_its_faults_are_told(name: str) -> None:
+    """Case by case; the first is a cell of a case that is named."""
+    extract, kinds = BROKEN[name]
+    finding = judged(extract, noise())
+    assert finding.verdict is Verdict.FAIL
+    told = finding.numbers["faults"]
+    assert {fault for _, fault, _ in told} == kinds
+    assert sum(count for *_, count in told) == finding.numbers["wrong"] < finding.numbers["cells"]
+    names = names_of(noise())
+    assert names[tuple(finding.numbers["cell"])] in {case for case, *_ in told}
+    assert all(count <= Counter(names.values())[case] for case, _, count in told)
+
+
+def test_without_tunnels_the_cells_with_a_tunnel_are_wrong() -> None:
+    """All of them, and no others: every face is right."""
+    finding = judged(by(asymptotic_decider.RULE), noise())
+    tunnels = {"4.2", "6.1.2", "7.4.2", "10.1.2", "12.1.2", "13.5.2"}
+    have = Counter(name for name in names_of(noise()).values() if name in tunnels)
+    assert {case: count for case, _, count in finding.numbers["faults"]} == have
+
+
+def test_a_cell_with_a_tied_corner_is_not_judged() -> None:
+    """Zero, or so near that a vertex is not told from the sample; the others are judged."""
+    for value in (0.0, 1e-9, -1e-9):
+        values = noise(6)
+        values[2, 3, 1] = value
+        beside = {(i, j, k) for i in (1, 2) for j in (2, 3) for k in (0, 1)}
+        finding = judged(right, values)
+        assert finding.verdict is Verdict.PASS
+        assert finding.numbers["cells"] == len(names_of(values).keys() - beside)
+
+
+def test_where_every_cell_is_a_tie_nothing_is_judged() -> None:
+    """There is no single truth; nor are there cells in a layer of samples."""
+    tied = np.zeros((2, 2, 2))
+    tied[0] = -1
+    assert judged(right, tied).verdict is Verdict.SKIP
+    assert "every cell" in judged(right, tied).detail
+    flat = judged(lambda _: Mesh.empty(3, 2), noise()[:1])
+    assert flat.verdict is Verdict.SKIP
+    assert "no cells" in flat.detail
+
+
+def along_the_face(polygon: Sequence[Place]) -> list[Sequence[Place | None]]:
+    """Four triangles of a hexagon, one edge of theirs in the face that holds four of its nodes.
+
+    The corners turn about the cell as a, b, x, c, d, y, where x and y are off the face.
+    """
+    if len(polygon) != 6:
+        return careful_fan(polygon)
+    start = next(s for s in range(6) if all(polygon[(s + i) % 6][0] == 1 for i in (2, 5)))
+    a, b, x, c, d, y = (polygon[(start + i) % 6] for i in range(6))
+    if min((a, b, c, d), key=lambda p: p[1:]) in (a, c):
+        return [(a, b, x), (a, x, c), (a, c, y), (c, d, y)]
+    return [(b, x, d), (x, c, d), (d, y, b), (y, a, b)]
+
+
+def test_an_edge_that_two_cells_draw_on_the_face_they_share_is_told() -> None:
+    """Each cell is right by itself; both cut their hexagon (case 3.2) along the shared face."""
+
+    def careless(field: Field) -> Mesh:
+        cut = made(decide=asymptotic, cut=along_the_face)
+        vertices, faces = cut(field.values, 0.0, field.spacing)
+        return Mesh.of(vertices + field.origin, faces)
+
+    values = np.full((3, 2, 2), -1.0)
+    values[1] = [[2, -1], [-1, 2]]
+    assert set(names_of(values).values()) == {"3.2"}
+    assert judged(careless, values[:2]).verdict is Verdict.PASS
+    assert judged(right, values).verdict is Verdict.PASS
+    finding = judged(careless, values)
+    assert finding.verdict is Verdict.FAIL
+    assert "every cell by itself is right" in finding.detail
+    assert finding.numbers == {"cells": 2, "edges": 1}
+    # Beside a cell that is a tie nobody can tell which cell an edge belongs to.
+    values = np.pad(values, ((0, 2), (0, 0), (0, 0)), constant_values=-1)
+    values[-1] = 0.0
+    assert judged(careless, values).verdict is Verdict.PASS
