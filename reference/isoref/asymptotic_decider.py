@@ -327,6 +327,7 @@ def variant(signs: int, separated: int) -> str:
 # --------------------------------------------------------------------------------------------
 
 
+@cache
 def tile(signs: int, decisions: int) -> Tile:
     """The triangles of the cell, with the point e0 where a polygon needs one.
 

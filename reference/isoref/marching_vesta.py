@@ -145,11 +145,12 @@ def tile(signs: int, decisions: int, mode: Mode, resolution: Resolution) -> Tile
     return Tile(tuple(triangles), tuple(averages))
 
 
-def _cut(cycle: Polygon) -> list[Triangle]:
+@cache
+def _cut(cycle: Polygon) -> tuple[Triangle, ...]:
     """The triangles of a cycle without a further point, as `isoref.vesta` cuts it."""
     start = int(fan_start(CENTRES[[list(cycle)]])[0])
     first, *others = cycle[start:] + cycle[:start]
-    return [(first, a, b) for a, b in pairwise(others)]
+    return tuple((first, a, b) for a, b in pairwise(others))
 
 
 def rule(mode: Mode, resolution: Resolution) -> Rule:

@@ -37,7 +37,7 @@ from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
 
 # Points of a slab and active cells worked on at once: both fit the processor's second cache.
-SLAB_POINTS = 1 << 18
+SLAB_POINTS = 1 << 19
 BLOCK_CELLS = 1 << 14
 
 
@@ -144,10 +144,14 @@ def cell_crossings(g: Floats) -> Floats:
     Coordinates are those of the cell; an edge that is not crossed has NaN.
     """
     crossings = np.full((12, g.shape[1], 3), np.nan)
-    for e, (a, b) in enumerate(EDGE_CORNERS):
-        crossed = (g[a] >= 0) != (g[b] >= 0)
-        crossings[e, crossed] = CORNER_OFFSETS[a]
-        crossings[e, crossed, axis_of(e)] = crossing_parameter(g[a, crossed], g[b, crossed])
+    inside = g >= 0
+    crossed = inside[EDGE_CORNERS[:, 0]] != inside[EDGE_CORNERS[:, 1]]
+    for e in np.flatnonzero(crossed.any(axis=1)).tolist():
+        a, b = EDGE_CORNERS[e]
+        # Spare the selection where all cells agree, as they do in a sweep.
+        rows = slice(None) if crossed[e].all() else np.flatnonzero(crossed[e])
+        crossings[e, rows] = CORNER_OFFSETS[a]
+        crossings[e, rows, axis_of(e)] = crossing_parameter(g[a, rows], g[b, rows])
     return crossings
 
 
@@ -197,9 +201,10 @@ class _Tiles:
     def __init__(self, rule: Rule) -> None:
         self.rule = rule
         self.asks = np.array([rule.asks(signs) for signs in range(256)])
-        self.known: dict[int, Tile] = {}
+        self.tile: dict[int, Tile] = {}
         size = 1 << (8 + rule.bits)
         self.key_type = np.min_scalar_type(size - 1)
+        self.is_known = np.zeros(size, np.bool_)
         self.count = np.zeros(size, np.int64)  # triangles of a tile
         self.start = np.zeros(size, np.int64)  # its first row in `nodes`
         self.interior = np.zeros(size, np.int64)  # its interior points
@@ -207,17 +212,22 @@ class _Tiles:
 
     def learn(self, keys: Array) -> None:
         """Make the tables hold the tile of every key that occurs."""
-        occurring = np.flatnonzero(np.bincount(keys, minlength=len(self.count)))
         rows = [self.nodes]
         end = len(self.nodes)
-        for key in (int(k) for k in occurring if int(k) not in self.known):
+        unknown = keys[~_take(self.is_known, keys)]
+        for key in np.flatnonzero(np.bincount(unknown)).tolist():
             tile = self.rule.tile(key & 255, key >> 8)
-            self.known[key] = tile
+            self.tile[key], self.is_known[key] = tile, True
             self.count[key], self.start[key] = len(tile.triangles), end
             self.interior[key] = len(tile.interior)
             end += len(tile.triangles)
             rows.append(np.array(tile.triangles, np.int64).reshape(-1, 3))
         self.nodes = np.concatenate(rows)
+
+
+def _take(table: Array, index: Array) -> Array:
+    """table[index], for indices that are in range: the look-up that NumPy is fastest at."""
+    return table.take(index, mode="clip")
 
 
 @dataclass(frozen=True)
@@ -245,11 +255,16 @@ class _Volume:
         planes = self.field.values[first : first + self.planes + 1]
         return np.ascontiguousarray(planes).reshape(-1)
 
-    def relative(self, samples: Array, points: Array) -> Floats:
-        """Samples minus the isovalue, at these points of a slab."""
-        values: Floats = samples.take(points).astype(np.float64)
+    def relative(self, samples: Array) -> Floats:
+        """Samples minus the isovalue."""
+        values: Floats = samples.astype(np.float64)
         values -= self.isovalue
         return values
+
+    def corners(self, samples: Array, cells: Array) -> Array:
+        """The samples at the corners of n cells of a slab, (8, n)."""
+        low = cells.astype(np.int64)
+        return np.stack([_take(samples, low + s) for s in CORNER_OFFSETS @ self.strides])
 
     def index(self, points: Array) -> tuple[Array, Array, Array]:
         """Lattice indices of a slab's points, their planes counted from the slab's first."""
@@ -270,6 +285,8 @@ class _Slab:
     first : its first plane
     owners, signs : the active cells, phantoms included, in order
     cells, keys : those that are no phantoms
+    having : which of `cells` have interior points
+    corners : (8, n) the samples at the corners of these
     """
 
     first: int
@@ -277,6 +294,8 @@ class _Slab:
     signs: NDArray[np.uint8]
     cells: NDArray[np.int32]
     keys: Array
+    having: Integers
+    corners: Array
 
 
 def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
@@ -289,13 +308,15 @@ def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
         dense = _dense_signs(volume, samples, work)
         dense = dense[: min(volume.planes, n1 - first) * n2 * n3]
         owners = np.flatnonzero(_mixed(dense, work[1])).astype(np.int32)
-        signs = dense.take(owners)
+        signs = _take(dense, owners)
         i, j, k = volume.index(owners)
         real = np.flatnonzero((i < n1 - 1 - first) & (j < n2 - 1) & (k < n3 - 1))
-        cells = owners.take(real)
-        keys = _keys(volume, tiles, samples, cells, signs.take(real))
+        cells = _take(owners, real)
+        keys = _keys(volume, tiles, samples, cells, _take(signs, real))
         tiles.learn(keys)
-        yield _Slab(first, owners, signs, cells, keys)
+        having = np.flatnonzero(_take(tiles.interior > 0, keys))
+        corners = volume.corners(samples, _take(cells, having))
+        yield _Slab(first, owners, signs, cells, keys, having, corners)
 
 
 def _dense_signs(volume: _Volume, samples: Array, work: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -306,17 +327,14 @@ def _dense_signs(volume: _Volume, samples: Array, work: NDArray[np.uint8]) -> ND
     np.greater_equal(samples, level, out=signs.view(np.bool_))
     # Join to the corners so far those of the next point along each axis in turn. Shift words of
     # eight bytes, whose bits stay apart.
-    for axis in (2, 1, 0):
-        step = int(volume.strides[axis])
-        words, words_shifted = work.view(np.uint64)
+    words, words_shifted = work.view(np.uint64)
+    block, block_shifted = (a.reshape(-1, *volume.field.shape[1:]) for a in (signs, shifted))
+    for axis, last in ((2, np.s_[:, :, -1]), (1, np.s_[:, -1]), (0, np.s_[-1])):
         np.left_shift(words, 1 << axis, out=words_shifted)
-        last, last_shifted = (
-            np.moveaxis(a.reshape(-1, *volume.field.shape[1:]), axis, 0)[-1]
-            for a in (signs, shifted)
-        )
-        repeated = last | last_shifted
+        repeated = block[last] | block_shifted[last]
+        step = int(volume.strides[axis])
         np.bitwise_or(signs[:-step], shifted[step:], out=signs[:-step])
-        last[...] = repeated
+        block[last] = repeated
     return np.asarray(signs)
 
 
@@ -336,10 +354,9 @@ def _keys(
 ) -> Array:
     """The key of each cell, its decisions taken only where the rule asks."""
     keys = signs.astype(tiles.key_type)
-    asked = np.flatnonzero(tiles.asks.take(signs))
+    asked = np.flatnonzero(_take(tiles.asks, signs))
     if tiles.rule.bits and len(asked):
-        low = cells.take(asked).astype(np.int64)
-        g = np.stack([volume.relative(samples, low + s) for s in CORNER_OFFSETS @ volume.strides])
+        g = volume.relative(volume.corners(samples, _take(cells, asked)))
         keys[asked] |= (tiles.rule.decisions(g) << 8).astype(tiles.key_type)
     return keys
 
@@ -353,12 +370,23 @@ _CROSSED = np.array(
 _CROSSINGS = _CROSSED.sum(axis=1, dtype=np.int64)
 
 
-def _crossed_edges(
-    owners: NDArray[np.int32], signs: NDArray[np.uint8]
-) -> tuple[NDArray[np.int32], Integers]:
+def _crossed_edges(owners: NDArray[np.int32], signs: NDArray[np.uint8]) -> tuple[Array, Integers]:
     """The crossed edges these cells own, in order: their lower points and their axes."""
-    slots = np.flatnonzero(_CROSSED.view(np.uint32).take(signs).view(np.bool_))
-    return owners.take(slots >> 2), slots & 3
+    slots = np.flatnonzero(_take(_CROSSED.view(np.uint32), signs).view(np.bool_))
+    return _take(owners, slots >> 2), slots & 3
+
+
+def _owners(end: Integers) -> Integers:
+    """To which cell each triangle belongs, where the cells' triangles end before `end`.
+
+    The same as np.repeat(np.arange(len(count)), count) in half the time.
+
+    >>> _owners(np.cumsum([2, 0, 3]))
+    array([0, 0, 2, 2, 2])
+    """
+    size = int(end[-1])
+    begun = np.bincount(end[:-1], minlength=size)[:size]
+    return np.cumsum(begun, out=begun)
 
 
 def _blocks(n: int) -> Iterator[slice]:
@@ -423,47 +451,45 @@ class _Surface:
     ) -> None:
         """Write the positions of the crossings of these edges."""
         field = self.volume.field
-        low = self.volume.relative(samples, points)
-        high = self.volume.relative(samples, points + self.volume.strides.take(axis))
+        low = self.volume.relative(_take(samples, points))
+        high = self.volume.relative(_take(samples, points + _take(self.volume.strides, axis)))
         t = crossing_parameter(low, high)
         out = self.vertices[self.made : self.made + len(points)]
         for a, index in enumerate(self.volume.index(points)):
-            place = np.where(axis == a, t, 0.0)
+            place = (axis == a) * t
             place += index + slab.first if a == 0 else index
             place *= field.spacing[a]
             np.add(place, field.origin[a], out=out[:, a])
 
     def _gather(self, slab: _Slab, cells: NDArray[np.int32], keys: Array) -> None:
         """Write the triangles of these cells, in order."""
-        count = self.tiles.count.take(keys)
+        count = _take(self.tiles.count, keys)
         end = np.cumsum(count)
-        owner = np.repeat(np.arange(len(cells)), count)
-        row = (self.tiles.start.take(keys) - end + count).take(owner)
+        owner = _owners(end)
+        row = _take(_take(self.tiles.start, keys) - end + count, owner)
         row += np.arange(len(owner))
-        base = (3 * cells.astype(np.int64)).take(owner)
+        base = _take(3 * cells.astype(np.int64), owner)
         out = slice(self.gathered, self.gathered + len(owner))
-        triangles = self.triangles[out]
         for k in range(3):
-            edges = self.steps[k].take(row)
+            edges = _take(self.steps[k], row)
             edges += base
-            triangles[:, k] = self.vertex_of.take(edges, mode="clip")
+            self.triangles[out, k] = _take(self.vertex_of, edges)
         if len(self.cells):
-            self.cells[out] = self._flat(slab, cells).take(owner)
-        interior = self.tiles.interior.take(keys)
-        if interior.any():
-            self._gather_inside(triangles, interior, owner, row)
+            self.cells[out] = _take(self._flat(slab, cells), owner)
+        self._gather_inside(keys, owner, row)
         self.gathered += len(owner)
 
-    def _gather_inside(
-        self, triangles: Integers, interior: Integers, owner: Integers, row: Integers
-    ) -> None:
+    def _gather_inside(self, keys: Array, owner: Integers, row: Integers) -> None:
         """Write the nodes of triangles that are interior points, numbered cell by cell."""
-        nodes = self.tiles.nodes.take(row, axis=0)
-        places = np.flatnonzero(nodes >= 12)
-        first = self.crossings + self.made_inside + np.cumsum(interior) - interior
-        numbers = first.take(owner.take(places // 3)) + nodes.reshape(-1).take(places) - 12
-        triangles.reshape(-1)[places] = numbers
-        self.made_inside += int(interior.sum())
+        interior = _take(self.tiles.interior, keys)
+        end = np.cumsum(interior)
+        first = end - interior + (self.crossings + self.made_inside)
+        for k, nodes in enumerate(self.tiles.nodes.T):
+            if end[-1] and nodes.max() >= 12:
+                places = np.flatnonzero(_take(nodes >= 12, row))
+                numbers = _take(first, owner[places]) + nodes[row[places]] - 12
+                self.triangles[self.gathered + places, k] = numbers
+        self.made_inside += int(end[-1])
 
     def _flat(self, slab: _Slab, cells: NDArray[np.int32]) -> Integers:
         """The flat index of cells in the lattice of cells."""
@@ -473,29 +499,27 @@ class _Surface:
 
     def place_interior_points(self, slabs: list[_Slab]) -> None:
         """Write the positions of the interior points behind the crossings, cell by cell."""
-        pairs = [self._having(slab) for slab in slabs]
-        index = np.concatenate([index for index, _ in pairs], axis=1)
-        keys = np.concatenate([keys for _, keys in pairs])
-        own = self.tiles.interior.take(keys)
+        plane = int(self.volume.strides[0])
+        cells = np.concatenate([_take(s.cells, s.having) + s.first * plane for s in slabs])
+        keys = np.concatenate([_take(s.keys, s.having) for s in slabs])
+        corners = np.concatenate([s.corners for s in slabs], axis=1)
+        own = _take(self.tiles.interior, keys)
         first = self.crossings + np.cumsum(own) - own
         # Take the cells of one key together: they share their placements.
         order = np.argsort(keys, kind="stable")
-        for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
-            if len(rows):
-                self._place_inside(index[:, rows], int(keys[rows[0]]), first[rows])
+        for same in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+            for block in _blocks(len(same)):
+                rows = same[block]
+                g = self.volume.relative(corners.take(rows, axis=1, mode="clip"))
+                self._place_inside(cells[rows], int(keys[rows[0]]), g, first[rows])
 
-    def _having(self, slab: _Slab) -> tuple[Integers, Array]:
-        """Lattice indices (3, n) and keys of the cells that have interior points."""
-        having = np.flatnonzero(self.tiles.interior.take(slab.keys))
-        index = np.stack(self.volume.index(slab.cells.take(having))).astype(np.int64)
-        index[0] += slab.first
-        return index, slab.keys.take(having)
-
-    def _place_inside(self, low: Integers, key: int, first: Integers) -> None:
-        """Write the interior points of cells (3, n) of one key, from vertices `first` on."""
+    def _place_inside(self, cells: Integers, key: int, g: Floats, first: Integers) -> None:
+        """Write the interior points of cells of one key, from vertices `first` on."""
         field = self.volume.field
-        corners = (low[:, None] + CORNER_OFFSETS.T[:, :, None]).reshape(3, -1)
-        g = field.values[tuple(corners)].astype(np.float64).reshape(8, -1) - self.volume.isovalue
         crossings = cell_crossings(g)
-        for k, place in enumerate(self.tiles.known[key].interior):
-            self.vertices[first + k] = field.position(low.T + place(g, crossings))
+        low = self.volume.index(cells)
+        for k, place in enumerate(self.tiles.tile[key].interior):
+            inner = place(g, crossings)
+            for a in range(3):
+                coordinate = (low[a] + inner[:, a]) * field.spacing[a] + field.origin[a]
+                self.vertices[first + k, a] = coordinate

@@ -329,6 +329,7 @@ def bands(first: Polygon, second: Polygon, corners: tuple[int, ...]) -> tuple[Tr
     return tuple(min(ways, key=lambda way: way[0])[1])
 
 
+@cache
 def tile(signs: int, decisions: int) -> Tile:
     """The triangles of the cell: a tunnel where there is one, and a disc for each other polygon."""
     separated = decisions & FACE_BITS
