@@ -7,12 +7,13 @@ import sys
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Literal
 
 import jsonschema
 import numpy as np
 import pytest
 from isograde.grading import contrast, grade
-from isograde.model import LEVELS, Limits
+from isograde.model import LEVELS, Conventions, Declaration
 from isograde.report import FORMATS, record, words, write, write_whole
 from isograde.report.badge import badge
 from isograde.report.comparison import changes, comparison_page, markdown_table
@@ -24,6 +25,7 @@ from isograde.report.record import Report
 from isograde.report.snippet import calling, snippet
 from isograde.runner import Evidence, Judged, Options
 from isoref.field import Field
+from isoref.mesh import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -384,8 +386,13 @@ def test_the_legal_answer_puts_ties_where_the_implementation_does() -> None:
     values = -np.ones((3, 3, 3))
     values[1, 1, 1] = 0
     judged = Judged("ties/one", {}, evidence=Evidence(Field.of(values), 0.0, {}))
-    inside = contrast([judged], Options(limits=Limits()), "inside")["ties/one"].mesh
-    outside = contrast([judged], Options(limits=Limits()), "outside")["ties/one"].mesh
+
+    def decided(tie: Literal["inside", "outside"]) -> Mesh | None:
+        declared = Declaration("mine", conventions=Conventions(tie=tie))
+        answers = contrast("isoref:asymptotic-decider", [judged], Options(), declared)
+        return answers["ties/one"].mesh
+
+    inside, outside = decided("inside"), decided("outside")
     assert inside is not None
     assert outside is not None
     assert len(inside.simplices) == 8

@@ -14,16 +14,22 @@ from typing import Any
 
 import numpy as np
 
+from isograde.disciplines.registry import READY_MADE
 from isograde.doors import open_door
-from isograde.model import Door, DoorError, Outcome, Request
+from isograde.model import Declaration, Door, DoorError, Outcome, Request, Trial, Verdict
 from isograde.report import record
 from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import SMALL, shrink
 
 # A second process costs a start; below so many cases it does not pay.
 CASES_PER_JOB = 60
-# Show this answer beside a failed one, where it is not the one that failed.
-CONTRAST = "isoref:asymptotic-decider"
+# Show the answer of one of these beside a failed one, where the claim holds of it.
+CONTRAST = {
+    "surfaces": ("isoref:asymptotic-decider", "isoref:trilinear-cubes"),
+    "contours": ("contours:diconex-mixed",),
+    "curves": ("curves:marching-faces",),
+    "simplices": ("simplices:reference",),
+}
 
 Watch = Callable[[int, int, record.Tally], None]
 
@@ -110,15 +116,34 @@ class Writer:
     def write_evidence(self, smallest: Mapping[str, Smallest], options: Options) -> None:
         """A line for each failed claim whose smallest case, made smaller still, can be shown."""
         worker = self.worker
-        if worker.declaration.discipline != "surfaces":
-            return
         found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
         shown = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
-        tie = worker.declaration.conventions.tie
-        legal = contrast([one.judged for one in shown.values()], options, tie)
+        legal = self._legal({claim: one.judged for claim, one in shown.items()}, options)
         for claim, one in shown.items():
-            judged = one.judged
-            self.write(record.evidence_record(claim, judged, one.of, legal.get(judged.case)))
+            judged, posed = one.judged, worker.claims[claim].variants
+            self.write(record.evidence_record(claim, judged, one.of, legal.get(claim), posed))
+
+    def _legal(self, judgements: Mapping[str, Judged], options: Options) -> dict[str, Outcome]:
+        """For each claim an answer to its failed case of which it holds, where one was found."""
+        found: dict[str, Outcome] = {}
+        declared = self.worker.declaration
+        for spec in CONTRAST[declared.discipline]:
+            asked = {name: one for name, one in judgements.items() if name not in found}
+            answers = contrast(spec, list(asked.values()), options, declared)
+            for name, judged in asked.items():
+                answer = answers.get(judged.case)
+                if answer is not None and self._holds(name, judged, answer):
+                    found[name] = answer
+        return found
+
+    def _holds(self, name: str, judged: Judged, answer: Outcome) -> bool:
+        """Whether the claim holds of this answer; one that compares variants is not asked."""
+        claim, evidence = self.worker.claims[name], judged.evidence
+        if claim.variants or evidence is None or (claim.needs_mesh and answer.mesh is None):
+            return False
+        case, declared = self.worker.cases[judged.case], self.worker.declaration
+        trial = Trial(case, evidence.field, declared, {"plain": answer})
+        return claim.judge(trial).verdict is Verdict.PASS
 
 
 def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
@@ -140,14 +165,17 @@ def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
     return Smallest(less, worker.cases[less.case].samples, case.id)
 
 
-def contrast(judgements: Sequence[Judged], options: Options, tie: str) -> dict[str, Outcome]:
-    """What the reference makes of these cases, by case; nothing where it does not start.
+def contrast(
+    spec: str, judgements: Sequence[Judged], options: Options, declared: Declaration
+) -> dict[str, Outcome]:
+    """What `spec` makes of these cases, by case; nothing where it does not start.
 
-    `tie` is the side on which a sample equal to the isovalue shall count.
+    Ties count on the side that is declared; only for surfaces can that be another than inside.
     """
-    if not judgements:
+    tie = declared.conventions.tie
+    if not judgements or (tie != "inside" and declared.discipline != "surfaces"):
         return {}
-    door = open_door(CONTRAST)
+    door = open_door(READY_MADE.get(spec, spec))
     try:
         door.open(options.limits)
     except DoorError:

@@ -212,10 +212,19 @@ class Worker:
         for claim in sorted(claims, key=lambda claim: claim.needs_mesh):
             findings[claim.id] = self._decide(claim, trial, outcomes)
         failed = any(finding.verdict in BAD for finding in findings.values())
-        shown = failed and case.samples <= SHOWN_SAMPLES
+        shown = failed and self._can_be_shown(case, trial.plain)
         evidence = Evidence(field, case.isovalue, outcomes) if shown else None
         seconds = time.perf_counter() - start
         return Judged(case.id, findings, seconds, len(outcomes), evidence)
+
+    def _can_be_shown(self, case: Case, came: Outcome) -> bool:
+        """Whether the case is small enough to be kept whole.
+
+        Other disciplines than surfaces have few cases: there the answer alone may be drawn.
+        """
+        if case.samples <= SHOWN_SAMPLES or self.declaration.discipline == "surfaces":
+            return case.samples <= SHOWN_SAMPLES
+        return came.vertices is not None and len(came.vertices) <= SHOWN_SAMPLES
 
     def _ask(self, trial: Trial, outcomes: dict[str, Outcome], variants: Iterable[str]) -> None:
         """`outcomes` holds these variants, each asked once."""

@@ -36,7 +36,7 @@ def shrink(worker: Worker, case: Case, claim: Claim, seconds: float = SECONDS) -
         for tried in _candidates(ranges):
             if time.monotonic() > deadline:
                 return best
-            judged = _fails(worker, blocks.block(case, tried), claim)
+            judged = _fails(worker, blocks.block(case, tried), claim, len(shape))
             if judged is not None:
                 best, ranges, smaller = judged, tried, True
                 break
@@ -57,9 +57,9 @@ def _candidates(ranges: blocks.Ranges) -> Iterator[blocks.Ranges]:
                 yield (*ranges[:axis], kept, *ranges[axis + 1 :])
 
 
-def _fails(worker: Worker, case: Case, claim: Claim) -> Judged | None:
+def _fails(worker: Worker, case: Case, claim: Claim, dimension: int) -> Judged | None:
     """The judgement of the case, where the claim is one for it and fails."""
-    if case.samples < 8 or (claim.tags and not claim.tags & case.tags):
+    if case.samples < 2**dimension or (claim.tags and not claim.tags & case.tags):
         return None
     judged = worker.judge(Task(case.id, (claim.id,)))
     return judged if judged.findings[claim.id].verdict in SHRUNK else None

@@ -14,7 +14,7 @@ from isoref.field import Field
 from isograde import variants
 from isograde.claims import CLAIMS
 from isograde.disciplines import contours, curves, simplices
-from isograde.fields import all_cases
+from isograde.fields import Catalogue, all_cases
 from isograde.model import Case, Claim, DoorError
 
 Pose = Callable[[str, Case, Field], tuple[Field, float] | None]
@@ -55,8 +55,8 @@ def _discipline(
     """The discipline of these, its cases listed once for each seed."""
 
     @cache
-    def by_id(seed: int) -> dict[str, Case]:
-        return {case.id: case for case in cases(seed)}
+    def by_id(seed: int) -> Catalogue:
+        return Catalogue({case.id: case for case in cases(seed)})
 
     return Discipline(by_id, {claim.id: claim for claim in claims}, _with_isovalue(pose), layout)
 

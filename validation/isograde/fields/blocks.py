@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from typing import Any
 
 import numpy as np
 from isoref.field import Field
@@ -17,7 +18,10 @@ from isograde.model import Case
 Ranges = tuple[tuple[int, int], ...]
 NAME = re.compile(r"(?P<case>[^\[\]]+)\[(?P<ranges>\d+:\d+(,\d+:\d+)*)\]")
 # What is known of a whole surface is not known of a part, and a part may run into the border.
-WHOLE = frozenset({"closed", "bordered", "analytic", "nielson-hamann", "full", "cells", "pairs"})
+WHOLE = frozenset(
+    {"closed", "bordered", "analytic", "nielson-hamann", "full", "cells", "pairs"}
+    | {"known", "open", "curved", "flat", "volume", "levels", "touching"}
+)
 
 
 def parse(name: str) -> tuple[str, Ranges] | None:
@@ -46,6 +50,9 @@ def block(case: Case, ranges: Ranges) -> Case:
 def cut(case: Case, ranges: Ranges) -> Field:
     """The samples of the case in these ranges, where they stood."""
     whole = case.build()
-    values = whole.values[tuple(slice(start, stop) for start, stop in ranges)]
+    index: Any = (..., *(slice(start, stop) for start, stop in ranges))
+    values = np.ascontiguousarray(whole.values[index])
     origin = whole.position([start for start, _ in ranges])
-    return Field.of(np.ascontiguousarray(values), whole.spacing, origin.tolist())
+    return Field.of(
+        np.ascontiguousarray(values), whole.spacing, origin.tolist(), dimension=len(ranges)
+    )

@@ -2,68 +2,23 @@
 
 Inside samples are filled, outside samples hollow. Triangles are blue from outside and orange from
 inside, so that a wrong orientation is seen. Edges that only one triangle has are red where they lie
-inside the volume, and thin where they lie on its border. Colours are CSS variables, so that the
-picture follows the page's light or dark theme.
-
-The projection is orthographic, and parts are painted from far to near.
+inside the volume, and thin where they lie on its border.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from html import escape
 from typing import Any
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
-# Look along this direction, with axis 2 up: from the front, a little right of and above the middle.
-TURN, TILT = np.radians(-62.0), np.radians(24.0)
-SIZE, MARGIN = 360.0, 34.0
+from isograde.report.view import MARGIN, SIZE, Part, View, drawing, line
+
 # Leave samples and lattice out of fields larger than this.
 DETAILED = 400
 # Name the axes and show values up to this many samples.
 LABELLED = 12
-
-
-@dataclass(frozen=True)
-class Part:
-    """A piece of SVG with its distance from the eye."""
-
-    depth: float
-    svg: str
-
-
-@dataclass(frozen=True)
-class View:
-    """Index coordinates to the picture's plane."""
-
-    scale: float
-    shift: Floats
-    height: float
-
-    @classmethod
-    def of(cls, shape: tuple[int, ...]) -> View:
-        """The view that fits a lattice of this shape."""
-        corners = np.indices((2, 2, 2)).reshape(3, -1).T * (np.asarray(shape) - 1)
-        flat = corners @ _axes()[:2].T
-        low, high = flat.min(axis=0), flat.max(axis=0)
-        scale = float((SIZE - 2 * MARGIN) / (high - low).max())
-        height = round(scale * float(high[1] - low[1]) + 2 * MARGIN)
-        return cls(scale, (SIZE / 2, height / 2) - scale * (low + high) / 2, height)
-
-    def place(self, points: Any) -> tuple[Floats, Floats]:
-        """Positions in the picture and depths of these points."""
-        turned = np.asarray(points, np.float64) @ _axes().T
-        return turned[..., :2] * self.scale + self.shift, turned[..., 2]
-
-
-def _axes() -> Floats:
-    """Rows: the picture's right, its down, and towards the eye."""
-    right = np.array([-np.sin(TURN), np.cos(TURN), 0.0])
-    eye = np.array([np.cos(TILT) * np.cos(TURN), np.cos(TILT) * np.sin(TURN), np.sin(TILT)])
-    return np.stack([right, -np.cross(eye, right), eye])
 
 
 def picture(
@@ -84,12 +39,8 @@ def picture(
             record["spacing"]
         )
         faces = np.asarray(mesh["faces"], np.int64).reshape(-1, 3)
-        parts += [*_triangles(view, points, faces), *_open_edges(view, points, faces, shape)]
-    body = "\n".join(part.svg for part in sorted(parts, key=lambda part: part.depth))
-    return (
-        f'<svg class="pic" viewBox="0 0 {SIZE:g} {view.height:g}" role="img" '
-        f'aria-label="{escape(label)}"><title>{escape(label)}</title>\n{body}\n</svg>'
-    )
+        parts += [*triangles(view, points, faces), *open_edges(view, points, faces, shape)]
+    return drawing(view, parts, label)
 
 
 def _lattice(view: View, shape: tuple[int, ...]) -> Iterator[Part]:
@@ -102,7 +53,7 @@ def _lattice(view: View, shape: tuple[int, ...]) -> Iterator[Part]:
         offset = np.zeros(3, np.int64)
         offset[axis] = step[axis]
         for start in nodes[nodes[:, axis] + step[axis] < shape[axis]]:
-            yield _line(view, start, start + offset, "lat", short=_radius(int(np.prod(shape))))
+            yield line(view, start, start + offset, "lat", short=_radius(int(np.prod(shape))))
 
 
 def _radius(samples: int) -> float:
@@ -110,19 +61,6 @@ def _radius(samples: int) -> float:
     if samples > DETAILED:
         return 0.0
     return 5.5 if samples <= LABELLED else 3.6
-
-
-def _line(
-    view: View, start: Any, end: Any, kind: str, *, nearer: float = 0.0, short: float = 0.0
-) -> Part:
-    """A segment, each end drawn back by `short`."""
-    (a, b), depths = view.place([start, end])
-    length = float(np.linalg.norm(b - a))
-    if length > 2 * short > 0:
-        step = (b - a) * short / length
-        a, b = a + step, b - step
-    svg = f'<line class="{kind}" x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}"/>'
-    return Part(float(depths.mean()) + nearer, svg)
 
 
 def _samples(view: View, values: Floats, inside: Booleans) -> Iterator[Part]:
@@ -151,7 +89,7 @@ def _value(x: float, y: float, value: float) -> str:
     )
 
 
-def _triangles(view: View, points: Floats, faces: Integers) -> Iterator[Part]:
+def triangles(view: View, points: Floats, faces: Integers) -> Iterator[Part]:
     """The triangles, shaded by how they face the eye."""
     flat, depth = view.place(points)
     for face in faces:
@@ -170,7 +108,7 @@ def _triangles(view: View, points: Floats, faces: Integers) -> Iterator[Part]:
         yield Part(float(depth[face].mean()), svg)
 
 
-def _open_edges(
+def open_edges(
     view: View, points: Floats, faces: Integers, shape: tuple[int, ...]
 ) -> Iterator[Part]:
     """The edges that only one triangle has."""
@@ -181,4 +119,4 @@ def _open_edges(
     last = np.asarray(shape) - 1
     for a, b in points[ends[uses == 1]]:
         on_border = ((a == b) & ((a == 0) | (a == last))).any()
-        yield _line(view, a, b, "rim" if on_border else "gap", nearer=0.05)
+        yield line(view, a, b, "rim" if on_border else "gap", nearer=0.05)

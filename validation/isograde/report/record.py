@@ -21,9 +21,9 @@ import os
 import platform
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from functools import cache, cached_property
 from importlib import metadata
@@ -46,6 +46,14 @@ LIBRARIES = (
 )  # fmt: skip
 KINDS = ("header", "claim", "case", "result", "evidence", "footer")
 JSON = dict[str, Any]
+# Write out the samples of a failed case up to so many numbers: two components of a shown case.
+SHOWN_NUMBERS = 4400
+# The variants of the other disciplines than surfaces, whose own are in `isograde.variants`.
+MEANINGS = {
+    "transposed": "the field transposed",
+    "swapped": "the two fields in the other order",
+    "finer": "in cells of half the size",
+}
 
 
 class ReportError(ValueError):
@@ -154,11 +162,17 @@ def _finding_record(claim: str, finding: Finding) -> JSON:
     return record
 
 
-def evidence_record(claim: str, judged: Judged, of: str = "", legal: Outcome | None = None) -> JSON:
+def evidence_record(
+    claim: str,
+    judged: Judged,
+    of: str = "",
+    legal: Outcome | None = None,
+    variants: Sequence[str] = (),
+) -> JSON:
     """The smallest failed case of a claim.
 
     `of` is the case it is a block of, and `legal` what an implementation that passes made of it. Of
-    the variants the one that the judge named is kept.
+    the claim's `variants` the one that the judge named is kept, or the only one.
     """
     evidence, finding = judged.evidence, judged.findings[claim]
     assert evidence is not None, "only a case that was kept whole can be shown"
@@ -173,26 +187,34 @@ def evidence_record(claim: str, judged: Judged, of: str = "", legal: Outcome | N
     }
     if legal is not None:
         record["legal"] = _mesh_record(legal)
-    posed = _posed_record(evidence, str(finding.numbers.get("variant", "")))
+    only = variants[0] if len(variants) == 1 else ""
+    posed = _posed_record(evidence, str(finding.numbers.get("variant", only)))
     if posed is not None:
         record["posed"] = posed
     return record
 
 
 def _field_record(field: Field, isovalue: float) -> JSON:
-    """The samples, in the array's order, and their place."""
+    """The samples, in the array's order, and their place; of a large field only the place."""
+    values = np.asarray(field.values)
     return {
-        "shape": list(field.values.shape),
+        "shape": list(field.shape),
         "spacing": list(field.spacing),
         "origin": list(field.origin),
         "dtype": str(field.values.dtype),
         "isovalue": isovalue,
-        "values": np.asarray(field.values).ravel().tolist(),
+        "components": field.components,
+        "values": values.ravel().tolist() if values.size <= SHOWN_NUMBERS else [],
     }
 
 
 def _posed_record(evidence: Evidence, name: str) -> JSON | None:
     """A variant of the case: how it was posed, and its answer brought back to the plain field."""
+    if name in MEANINGS and name in evidence.outcomes:
+        came = _mesh_record(evidence.outcomes[name])
+        if name == "transposed" and "vertices" in came:
+            came["vertices"] = [row[::-1] for row in came["vertices"]]
+        return {"variant": name, "meaning": MEANINGS[name], "came": came}
     variant, outcome = VARIANTS.get(name), evidence.outcomes.get(name)
     posed = pose(name, evidence.field, evidence.isovalue) if variant is not None else None
     if variant is None or outcome is None or posed is None:
@@ -212,6 +234,8 @@ def _posed_record(evidence: Evidence, name: str) -> JSON | None:
 
 def _mesh_record(outcome: Outcome) -> JSON:
     """Vertices and faces of an outcome, or what became of it."""
+    if outcome.faces is not None and outcome.faces.ndim == 1:
+        outcome = replace(outcome, faces=outcome.faces[:, None])
     mesh = outcome.mesh
     if mesh is None:
         return {"status": outcome.status.value, "detail": outcome.detail}

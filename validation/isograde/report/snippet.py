@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from isograde.report import snippets_beside
 from isograde.report.record import JSON, Report, Summary
 
 # Print samples up to this many.
@@ -139,6 +140,11 @@ def extract(values, isovalue, spacing):
     mesh = Manifold.level_set(at, box, min(spacing), level=isovalue).to_mesh()
     return mesh.vert_properties[:, :3], mesh.tri_verts
 """
+PYTHON_FILE = """
+import runpy
+
+extract = runpy.run_path("{module}")["{function}"]
+"""
 PYTHON = """
 from {module} import {function} as extract
 """
@@ -209,6 +215,9 @@ def snippet(report: Report, summary: Summary) -> str | None:
     record, call = report.evidence.get(summary.id), calling(report.spec)
     if record is None or call is None or len(record["values"]) > PRINTED:
         return None
+    discipline = report.header["implementation"]["discipline"]
+    if discipline != "surfaces":
+        return _beside(record, call, discipline, summary.id)
     lines = ["import numpy as np", call.strip(), "", ""]
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
@@ -221,12 +230,31 @@ def snippet(report: Report, summary: Summary) -> str | None:
     return "\n".join(lines) + "\n"
 
 
+def _beside(record: JSON, call: str, discipline: str, claim: str) -> str | None:
+    """The lines for a discipline beside surfaces."""
+    if not record["values"]:
+        return None
+    size = int(np.prod(record["shape"]))
+    # A third component holds nothing but the second isovalue.
+    second = record["values"][2 * size] if record.get("components") == 3 else "isovalue"
+    variant = record.get("posed", {}).get("variant", "")
+    told = snippets_beside.shown(discipline, claim, second, variant)
+    if told is None:
+        return None
+    samples = _samples(record, stacked=discipline != "contours")
+    lines = ["import numpy as np", call.strip(), "", "", samples, told]
+    return "\n".join(lines) + "\n"
+
+
 def calling(spec: str) -> str | None:
     """The lines that define `extract` as the implementation's users call it; None if none do."""
     kind, _, rest = spec.partition(":")
     if kind == "python":
         module, _, function = rest.rpartition(":")
-        return PYTHON.format(module=module, function=function) if "/" not in module else None
+        template = PYTHON_FILE if module.endswith(".py") else PYTHON
+        return template.format(module=module, function=function)
+    if spec in snippets_beside.CALLS:
+        return snippets_beside.CALLS[spec]
     if spec in FILTERS:
         return VTK.format(rest=FILTERS[spec])
     if spec in LABEL_FILTERS:
@@ -239,10 +267,11 @@ def _has_nan(record: JSON) -> bool:
     return any(isinstance(value, str) for value in [record["isovalue"], *record["values"]])
 
 
-def _samples(record: JSON, name: str = "values", prefix: str = "") -> str:
+def _samples(record: JSON, name: str = "values", prefix: str = "", *, stacked: bool = False) -> str:
     """The lines that make the samples, the isovalue and the spacing."""
     numbers = [float(value) if isinstance(value, str) else value for value in record["values"]]
-    values = np.asarray(numbers, record["dtype"]).reshape(record["shape"])
+    shape = [-1, *record["shape"]] if stacked else record["shape"]
+    values = np.asarray(numbers, record["dtype"]).reshape(shape)
     start = f"{name} = np.array("
     printed = np.array2string(values, separator=", ", threshold=PRINTED + 1, floatmode="unique")
     rows = indent(printed, " " * len(start)).strip().replace("\n\n", "\n")
