@@ -55,7 +55,7 @@ def figure_1(
     )
     for (row, column), caption in zip(np.ndindex(2, 2), captions, strict=True):
         plotter.subplot(row, column)
-        plotter.add_text(caption, position="lower_edge", font_size=9, color="white")
+        plotter.add_text(caption, position="upper_edge", font_size=9, color="white")
         plotter.set_background("#15202b")
         plotter.camera_position = [(2.75, 2.2, 1.8), (0.5, 0.5, 0.47), (0, 0, 1)]
     _screenshot(plotter, path)

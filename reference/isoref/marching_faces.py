@@ -51,7 +51,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
 from isoref import asymptotic_decider
-from isoref.cube import EDGE_OF
+from isoref.cube import CORNER_OFFSETS, EDGE_OF, corner_at
 from isoref.curves import Curve, check_pair, curves_through, follow, real_and_imaginary
 from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
 from isoref.sweep import least_inside
@@ -70,23 +70,25 @@ EDGES = ((0, 1), (1, 3), (2, 3), (0, 2))
 FORWARD = (True, True, False, False)
 
 
-def face_vertices() -> Integers:
-    """(6, 4, 3) offsets in the voxel of vertex i of face f.
+def face_corners() -> Integers:
+    """(6, 4) the corner of the cube that is vertex i of face f.
 
-    >>> face_vertices()[5].tolist()
-    [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]
+    Both faces across an axis look along it, unlike the walks of `isoref.cube.FACE_CORNERS`, which
+    look from outside: a face is seen alike by the two voxels that share it.
+
+    >>> face_corners()[4:].tolist()
+    [[0, 1, 2, 3], [4, 5, 6, 7]]
     """
-    offsets = np.zeros((6, 4, 3), np.int64)
-    for f, (axis, side) in enumerate(zip(AXES, SIDES, strict=True)):
-        offsets[f, :, axis] = side
-        offsets[f, :, (axis + 1) % 3] = [0, 1, 0, 1]
-        offsets[f, :, (axis + 2) % 3] = [0, 0, 1, 1]
-    return offsets
+    corners = [
+        [corner_at(*np.roll((side, i & 1, i >> 1), axis)) for i in range(4)]
+        for axis, side in zip(AXES, SIDES, strict=True)
+    ]
+    return np.array(corners)
 
 
-FACE_VERTICES = face_vertices()
-# Corner number, bit by bit, of vertex i of face f.
-FACE_CORNERS = FACE_VERTICES @ np.array([1, 2, 4])
+FACE_CORNERS = face_corners()
+# (6, 4, 3) offsets in the voxel of vertex i of face f.
+FACE_VERTICES: Integers = CORNER_OFFSETS[FACE_CORNERS]
 
 
 def face_table() -> NDArray[np.uint8]:

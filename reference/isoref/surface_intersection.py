@@ -26,7 +26,10 @@ the convention for samples (value >= isovalue is inside), carried over. Hence
 - a triangle that touches another with one corner has none, or one of no length, which holds its
   neighbours together and leaves no point of its own in a curve;
 - identical surfaces have segments along their concave edges, each once either way. Segments that
-  run both ways are contact, not crossing: joining leaves them out, and there is no curve.
+  run both ways are contact, not crossing: joining leaves them out, and there is no curve;
+- surfaces that are the same but for rounding, or but for the way they face, have curves, or pieces
+  of them, along their edges: the last bits decide which. `isoref.marching_faces` has whole curves
+  there, or none.
 
 Invariants
 ----------

@@ -207,6 +207,15 @@ class TestClosure:
         ball = placed(1 - x**2 - y**2 - z**2)
         assert intersection_curves(ball, ball) == []
         assert intersection_curves(ball, placed(2 * ball.values)) == []
+        assert intersection_curves(ball, placed(-ball.values)) == []
+
+    def test_surfaces_that_are_the_same_but_for_rounding_have_whole_curves_or_none(self) -> None:
+        """A third is not exact, so that some crossings of edges differ in their last bit."""
+        chance = np.random.default_rng(7)
+        noise = chance.normal(size=(9, 9, 9))
+        curves = intersection_curves(Field.of(noise), Field.of(3 * noise))
+        assert curves
+        assert ends_on_border(curves, Field.of(noise))
 
     def test_a_tangent_plane_has_whole_curves_or_none(self) -> None:
         """A sphere that touches a plane from inside: no half curves."""

@@ -31,6 +31,7 @@ from isoref.surface_intersection import (
     surface_intersection,
     triangle_intersection,
 )
+from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
 
@@ -113,6 +114,21 @@ class TestIndex:
         n = len(surface.mesh.simplices)
         assert n <= segments.tests <= 5 * n
         assert join_segments(segments) == []
+
+    @pytest.mark.parametrize("factor", [2.0, 3.0, -1.0])
+    def test_the_same_surface_from_other_numbers_needs_as_many_tests(self, factor: float) -> None:
+        """Exact, rounded, and facing the other way; what is found lies on the surface."""
+        field, _ = waves(8, 9.0)
+        values = np.asarray(field.values)
+        pair = field, Field.of(factor * values, field.spacing)
+        first, second = surfaces(pair)
+        segments = surface_intersection(first, second)
+        assert segments.tests == surface_intersection(first, first).tests
+        curves = join_segments(segments)
+        assert factor != 2.0 or curves == []
+        places = [curve.points / field.spacing for curve in curves]
+        found = map_coordinates(values, np.concatenate([*places, np.empty((0, 3))]).T, order=1)
+        assert np.abs(found).max(initial=0.0) < 0.2 * np.abs(values).max()
 
 
 class TestTriangles:
