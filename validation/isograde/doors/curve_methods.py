@@ -59,25 +59,25 @@ class _Grid:
         return image
 
 
-def vtk_contour_twice(
-    a: Any, b: Any, isovalue_a: float, isovalue_b: float, spacing: tuple[float, ...]
-) -> list[Any]:
-    """VTK's way: contour the first field, contour the second one on that surface, strip."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkStripper
+def _contour(image: Any, name: str, isovalue: float) -> Any:
+    """The filter that makes the isosurface of one of the arrays, in double precision."""
+    from vtkmodules.vtkFiltersCore import vtkContourFilter
 
     surface = vtkContourFilter()
     surface.SetOutputPointsPrecision(1)
-    surface.SetInputData(_Grid(np.asarray(a), np.asarray(b), tuple(spacing)).image())
-    surface.SetInputArrayToProcess(0, 0, 0, 0, "a")
-    surface.SetValue(0, isovalue_a)
-    lines = vtkContourFilter()
-    lines.SetOutputPointsPrecision(1)
-    lines.SetInputConnection(surface.GetOutputPort())
-    lines.SetInputArrayToProcess(0, 0, 0, 0, "b")
-    lines.SetValue(0, isovalue_b)
+    surface.SetInputData(image)
+    surface.SetInputArrayToProcess(0, 0, 0, 0, name)
+    surface.SetValue(0, isovalue)
+    return surface
+
+
+def _strips(port: Any) -> list[Any]:
+    """The segments of this output as polylines, joined by vtkStripper."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkStripper
+
     strips = vtkStripper()
-    strips.SetInputConnection(lines.GetOutputPort())
+    strips.SetInputConnection(port)
     strips.SetMaximumLength(1_000_000)
     strips.JoinContiguousSegmentsOn()
     strips.Update()
@@ -91,6 +91,42 @@ def vtk_contour_twice(
     return [points[places[i:j]] for i, j in pairwise(starts)]
 
 
+def vtk_contour_twice(
+    a: Any, b: Any, isovalue_a: float, isovalue_b: float, spacing: tuple[float, ...]
+) -> list[Any]:
+    """VTK's way: contour the first field, contour the second one on that surface, strip."""
+    from vtkmodules.vtkFiltersCore import vtkContourFilter
+
+    image = _Grid(np.asarray(a), np.asarray(b), tuple(spacing)).image()
+    lines = vtkContourFilter()
+    lines.SetOutputPointsPrecision(1)
+    lines.SetInputConnection(_contour(image, "a", isovalue_a).GetOutputPort())
+    lines.SetInputArrayToProcess(0, 0, 0, 0, "b")
+    lines.SetValue(0, isovalue_b)
+    return _strips(lines.GetOutputPort())
+
+
+def vtk_contour_and_intersect(
+    a: Any, b: Any, isovalue_a: float, isovalue_b: float, spacing: tuple[float, ...]
+) -> list[Any]:
+    """VTK's other way: contour both fields, intersect the surfaces, strip."""
+    from vtkmodules.vtkFiltersGeneral import vtkIntersectionPolyDataFilter
+
+    image = _Grid(np.asarray(a), np.asarray(b), tuple(spacing)).image()
+    surfaces = [_contour(image, *one) for one in (("a", isovalue_a), ("b", isovalue_b))]
+    for surface in surfaces:
+        surface.Update()
+        if not surface.GetOutput().GetNumberOfCells():
+            return []
+    meeting = vtkIntersectionPolyDataFilter()
+    for number, surface in enumerate(surfaces):
+        meeting.SetInputConnection(number, surface.GetOutputPort())
+    meeting.SplitFirstOutputOff()
+    meeting.SplitSecondOutputOff()
+    return _strips(meeting.GetOutputPort())
+
+
 marching_faces = through_door(_reference(isoref.marching_faces))
 surface_intersection = through_door(_reference(isoref.surface_intersection))
 vtk = through_door(vtk_contour_twice)
+vtk_intersect = through_door(vtk_contour_and_intersect)

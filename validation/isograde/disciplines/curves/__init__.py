@@ -77,5 +77,5 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
 # Short names of the implementations in `isograde.doors.curve_methods`.
 READY_MADE: Mapping[str, str] = {
     f"curves:{name.replace('_', '-')}": f"python:isograde.doors.curve_methods:{name}"
-    for name in ("marching_faces", "surface_intersection", "vtk")
+    for name in ("marching_faces", "surface_intersection", "vtk", "vtk_intersect")
 }
