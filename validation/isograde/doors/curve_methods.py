@@ -98,9 +98,10 @@ def vtk_contour_twice(
     from vtkmodules.vtkFiltersCore import vtkContourFilter
 
     image = _Grid(np.asarray(a), np.asarray(b), tuple(spacing)).image()
+    surface = _contour(image, "a", isovalue_a)  # Keep it: its port does not.
     lines = vtkContourFilter()
     lines.SetOutputPointsPrecision(1)
-    lines.SetInputConnection(_contour(image, "a", isovalue_a).GetOutputPort())
+    lines.SetInputConnection(surface.GetOutputPort())
     lines.SetInputArrayToProcess(0, 0, 0, 0, "b")
     lines.SetValue(0, isovalue_b)
     return _strips(lines.GetOutputPort())
