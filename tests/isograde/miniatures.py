@@ -566,6 +566,7 @@ BROKEN = (
     Miniature("purse", changed(with_purse), "structure.no_duplicate_face", ("counting.triangles",)),
     Miniature("spare vertex", changed(with_spare_vertex), "structure.all_used"),
     Miniature("1987", made(decide=by_cell), "topology.closed", HOLES_FOLLOW),
+    Miniature("soup undeclared", changed(soup), "topology.closed"),
     Miniature(
         "careless fan",
         made(decide=together, cut=careless_fan),

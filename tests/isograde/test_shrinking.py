@@ -6,9 +6,11 @@ from isograde.claims import CLAIMS
 from isograde.doors import open_door
 from isograde.fields import all_cases, blocks
 from isograde.model import Case, Claim, Declaration, Finding, Limits, Trial, Verdict
-from isograde.runner import Options, Worker, plan
-from isograde.shrinking import shrink
+from isograde.runner import Judged, Options, Worker, plan
+from isograde.shrinking import _candidates, _fails, shrink
 from isoref.field import Field
+
+from tests.isograde.miniatures import Inside, Miniature, plain
 
 
 def _holds_a_seven(trial: Trial) -> Finding:
@@ -69,3 +71,46 @@ def test_a_block_of_no_case_is_no_case() -> None:
         all_cases(0)["absent/one[0:2,0:2,0:2]"]
     with pytest.raises(KeyError):
         all_cases(0)["ties/noise-05[0:2"]
+
+
+def test_candidates_drop_half_a_quarter_and_so_on_and_keep_two_samples() -> None:
+    """Of every axis, from either end, wherever the range starts; the largest drop first."""
+    found = list(_candidates(((2, 5), (7, 9), (1, 9))))
+    left = [int(np.prod([stop - start for start, stop in ranges])) for ranges in found]
+    assert left[:4] == [24, 24, 36, 36]
+    assert set(found) == {
+        ((2, 5), (7, 9), (1, 5)),
+        ((2, 5), (7, 9), (5, 9)),
+        ((2, 5), (7, 9), (1, 7)),
+        ((2, 5), (7, 9), (3, 9)),
+        ((2, 5), (7, 9), (1, 8)),
+        ((2, 5), (7, 9), (2, 9)),
+        ((2, 4), (7, 9), (1, 9)),
+        ((3, 5), (7, 9), (1, 9)),
+    }
+
+
+def judged_part(claim_tags: set[str], shape: tuple[int, ...]) -> Judged | None:
+    """What `_fails` says of a case tagged "ties", for a claim that always fails."""
+    field = Field.of(np.ones(shape))
+    case = Case("ties/one", lambda: field, 0.5, field.values.size, frozenset({"ties"}))
+    claim = Claim(
+        "family.never",
+        "",
+        "",
+        1,
+        lambda _: Finding(Verdict.FAIL),
+        needs_mesh=False,
+        tags=frozenset(claim_tags),
+    )
+    door = Inside(Miniature("plain", plain))
+    worker = Worker(door, Declaration("x"), {case.id: case}, {claim.id: claim})
+    return _fails(worker, case, claim)
+
+
+def test_a_part_is_judged_where_the_claim_is_one_for_it() -> None:
+    """By its tags; and never less than a cell."""
+    assert judged_part(set(), (2, 2, 2)) is not None
+    assert judged_part({"ties", "cells"}, (2, 2, 2)) is not None
+    assert judged_part({"cells"}, (2, 2, 2)) is None
+    assert judged_part(set(), (1, 2, 3)) is None

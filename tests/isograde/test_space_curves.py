@@ -14,8 +14,10 @@ from isograde.truths.space_curves import (
     linking_by_area,
     linking_by_crossings,
     linking_numbers,
+    phase_winding,
     trefoil,
 )
+from scipy.interpolate import CubicSpline
 
 ALL = [make() for make in KNOWN]
 NAMES = [known.name for known in ALL]
@@ -131,4 +133,37 @@ def test_distances_are_to_segments_not_to_points() -> None:
     line = np.array([[0.0, 0, 0], [10, 0, 0]])
     np.testing.assert_allclose(distances(np.array([[5.0, 0.5, 0], [12, 0, 0]]), [line]), [0.5, 2])
     assert length(line) == 10
-    assert trefoil().length == pytest.approx(20.6427, abs=1e-3)
+    (knot,) = trefoil().curves
+    turn = np.linspace(0, 1, len(knot))
+    slope = CubicSpline(turn, knot, bc_type="periodic").derivative()
+    even = np.linspace(0, 1, 50_000, endpoint=False)
+    arc = np.linalg.norm(slope(even), axis=1).mean()
+    assert trefoil().length == pytest.approx(arc, rel=1e-4)
+
+
+@pytest.mark.parametrize("known", ALL, ids=NAMES)
+def test_samples_are_raised_to_their_levels(known: KnownCurves) -> None:
+    """Both functions on the lattice of the cube, so that the curves are where both are at them."""
+    first, second, spacing = known.sample((3, 5, 4))
+    place = -known.half + spacing * [2, 1, 3]
+    one, two = known.levels
+    assert first[2, 1, 3] - one == pytest.approx(float(known.first(*place)))
+    assert second[2, 1, 3] - two == pytest.approx(float(known.second(*place)))
+    assert place[[0, 2]] == pytest.approx([known.half, known.half])
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_the_phase_turns_once_around_a_line_along_the_axis(axis: int) -> None:
+    """Counterclockwise for u + iv, clockwise for u - iv; elsewhere not at all."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    shape = (4, 5, 6)
+    index = np.indices(shape)
+    wave = (index[u] - 1.4) + 1j * (index[v] - 2.3)
+    at: list[slice | int] = [slice(None)] * 3
+    at[u], at[v] = 1, 2
+    for psi, turns in ((wave, 1), (wave.conj(), -1)):
+        expected = np.zeros([n - (a != axis) for a, n in enumerate(shape)], int)
+        expected[tuple(at)] = turns
+        assert np.array_equal(phase_winding(np.angle(psi), axis), expected)
+        for other in (u, v):
+            assert not phase_winding(np.angle(psi), other).any()

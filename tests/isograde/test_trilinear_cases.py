@@ -114,3 +114,11 @@ def test_cells_are_named() -> None:
     joined[0, 0, 0] = joined[1, 1, 1] = 30
     assert case_names(cells([apart, joined])).tolist() == ["4.1", "4.2"]
     assert case_names(cells([np.zeros((2, 2, 2))])).tolist() == ["tie"]
+
+
+def test_half_of_the_symmetries_are_rotations() -> None:
+    """Those whose matrix has determinant 1."""
+    assert len(SYMMETRIES) == 48
+    for symmetry in SYMMETRIES:
+        matrix = np.eye(3)[list(symmetry.axes)] * (1 - 2 * np.array(symmetry.flips))[:, None]
+        assert symmetry.is_rotation == (np.linalg.det(matrix) > 0)

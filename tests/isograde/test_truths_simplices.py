@@ -102,3 +102,12 @@ def test_the_border_of_the_box_is_known_by_its_planes() -> None:
     rows = np.array([[0, 1], [1, 2], [0, 2], [2, 3]])
     found = truth.on_border(points, rows, [[0, 0], [1, 1]])
     assert found.tolist() == [True, True, False, False]
+    far = truth.on_border(points * [3.0, 1.0] + 5, rows, [[5, 5], [8, 6]])
+    assert far.tolist() == found.tolist()
+    assert not truth.on_border(points + 1e-6, rows, [[0, 0], [1, 1]]).any()
+
+
+def test_points_measure_one_each() -> None:
+    """A simplex of dimension 0 has no edges; counting is its measure."""
+    points = np.random.default_rng(0).normal(size=(3, 2))
+    assert truth.measures(points, np.array([[0], [2]])).tolist() == [1, 1]

@@ -55,9 +55,9 @@ class Manifold:
         return np.stack(parts, axis=-1)
 
 
-def ball(x: Floats, axes: slice, radius: float = 1.0) -> Floats:
-    """Radius^2 minus the squared length of some coordinates."""
-    inside: Floats = radius**2 - (x[:, axes] ** 2).sum(axis=1)
+def ball(x: Floats, axes: slice) -> Floats:
+    """One minus the squared length of some coordinates."""
+    inside: Floats = 1 - (x[:, axes] ** 2).sum(axis=1)
     return inside
 
 

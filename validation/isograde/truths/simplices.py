@@ -197,7 +197,7 @@ def measures(vertices: Floats, simplices: Integers) -> Floats:
     k = simplices.shape[1] - 1
     place = vertices[simplices]
     edges = place[:, 1:] - place[:, :1]
-    gram = np.linalg.det(edges @ edges.transpose(0, 2, 1)) if k else np.ones(len(simplices))
+    gram = np.linalg.det(edges @ edges.transpose(0, 2, 1))
     return np.asarray(np.sqrt(np.maximum(gram, 0)) / factorial(k))
 
 
