@@ -17,7 +17,17 @@ from isograde.model import Case, Finding, Limits, Verdict
 from isograde.runner import Task, Worker
 from isoref.field import Field
 
-from tests.isograde.miniatures import BROKEN, CORRECT, Inside, Miniature
+from tests.isograde.miniatures import (
+    BROKEN,
+    CORRECT,
+    Inside,
+    Miniature,
+    apart,
+    made,
+    plain,
+    star,
+    together,
+)
 
 FAMILIES = (structure, topology, geometry, cases, counting, symmetry, robustness)
 CLAIMS = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}
@@ -128,3 +138,26 @@ TIED = {c.id: c for c in (case(f"{n}", partial(full_of_ties, n), 0.0, "ties") fo
 def test_a_right_answer_passes_on_fields_full_of_ties(miniature: Miniature) -> None:
     """No claim mistakes what a tie leaves open for a fault."""
     assert failures(miniature, TIED) == {}
+
+
+def alone(values: list[float]) -> dict[str, Case]:
+    """A single cell with these corner values, last axis fastest, at isovalue 0."""
+    field = Field.of(np.array(values).reshape(2, 2, 2))
+    return {"cell": Case("cell", lambda: field, 0.0, 8)}
+
+
+def test_two_sheets_that_meet_in_a_point_are_caught() -> None:
+    """Two are enough: the corners cut off at both ends of a diagonal share their middle."""
+    cell = alone([2, -1, -1, -1, -1, -1, -1, 2])
+    pinched = Miniature("pinched", made(cut=star, shared_middle=True))
+    assert "topology.vertex_manifold" in failures(pinched, cell)
+    assert failures(Miniature("stars", made(cut=star)), cell) == {}
+
+
+def test_a_saddle_on_the_isovalue_may_be_joined_or_separated() -> None:
+    """The level set is its asymptotes: level 3 holds neither answer against anybody."""
+    for decide in (apart, together):
+        either = Miniature("either", made(decide=decide), level=3)
+        assert failures(either, alone([1, -1, -1, 1, -1, -1, -1, -1])) == {}
+    clear = failures(Miniature("apart", plain, level=3), alone([2, -1, -1, 1, -1, -1, -1, -1]))
+    assert set(clear) == {"topology.bilinear"}

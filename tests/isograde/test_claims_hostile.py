@@ -58,4 +58,7 @@ def test_an_odd_answer_fails_in_its_structure(name: str) -> None:
 def test_the_right_answer_passes() -> None:
     """The same field, answered as it should be."""
     found = findings(POINTS, TRIANGLE)
-    assert {f.verdict for f in found.values()} <= {Verdict.PASS, Verdict.SKIP}
+    asks_a_variant = {claim.id for claim in CLAIMS if claim.variants}
+    for name, finding in found.items():
+        expected = Verdict.SKIP if name in asks_a_variant else Verdict.PASS
+        assert finding.verdict is expected, name

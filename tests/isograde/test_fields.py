@@ -113,6 +113,7 @@ def test_analytic_facts_hold_for_an_independent_extractor(case: Case) -> None:
     vertices, faces, *_ = marching_cubes(field.values, case.isovalue, spacing=field.spacing)
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     facts = case.facts
+    assert len(faces) > 100
     if "area" in facts:
         assert abs(mesh.area - facts["area"]) < facts["area_tolerance"]
         assert abs(abs(mesh.volume) - facts["volume"]) < facts["volume_tolerance"]
@@ -152,10 +153,12 @@ def test_the_volumes_of_the_data_folder_are_what_the_registry_says(data: Path) -
 
 
 def test_every_default_real_case_has_a_surface() -> None:
-    for case in volumes.cases():
-        if "full" not in case.tags:
-            values = _values(case)
-            assert values.min() < case.isovalue <= values.max(), case.id
+    listed = [case for case in volumes.cases() if "full" not in case.tags]
+    if not listed:
+        pytest.skip("no real volume is here: install nibabel or set ISOGRADE_DATA")
+    for case in listed:
+        values = _values(case)
+        assert values.min() < case.isovalue <= values.max(), case.id
 
 
 def test_absent_volumes_make_no_case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -246,3 +249,11 @@ def test_a_volume_without_an_address_says_where_to_get_it() -> None:
 def test_all_cases_hold_every_family() -> None:
     listed = all_cases(0)
     assert {name.split("/")[0] for name in listed} >= set(FAMILIES) - {"real"}
+
+
+def test_every_fact_about_an_analytic_case_is_stated_of_some() -> None:
+    """What is compared with an independent extractor is there to be compared."""
+    listed = analytic.cases(0)
+    for fact in ("area", "volume", "euler", "components"):
+        assert sum(fact in case.facts for case in listed) >= 3, fact
+    assert sum("closed" in case.tags for case in listed) >= 3

@@ -105,7 +105,7 @@ def judged_part(claim_tags: set[str], shape: tuple[int, ...]) -> Judged | None:
     )
     door = Inside(Miniature("plain", plain))
     worker = Worker(door, Declaration("x"), {case.id: case}, {claim.id: claim})
-    return _fails(worker, case, claim)
+    return _fails(worker, case, claim, 3)
 
 
 def test_a_part_is_judged_where_the_claim_is_one_for_it() -> None:

@@ -71,13 +71,12 @@ def _newton_step(known: KnownCurves, p: Points) -> Points:
     return np.asarray(-np.einsum("pij,pj->pi", inverse, values))
 
 
-@pytest.mark.parametrize("known", ALL, ids=NAMES)
+@pytest.mark.parametrize("known", [k for k in ALL if k.transversal], ids=lambda k: k.name)
 def test_links_and_knots_are_those_stated(known: KnownCurves) -> None:
-    """From the dense polylines, thinned."""
+    """From the dense polylines, thinned; curves that cross each other have no linking number."""
     loops = [thinned(curve) for curve in known.curves if is_closed(curve)]
-    if known.transversal:
-        assert linking_numbers(loops) == list(known.links)
-        assert sorted(knot_determinant(loop) for loop in loops) == list(known.determinants)
+    assert linking_numbers(loops) == list(known.links)
+    assert sorted(knot_determinant(loop) for loop in loops) == list(known.determinants)
 
 
 def test_linking_numbers_agree_two_ways() -> None:

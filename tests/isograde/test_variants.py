@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from isograde.variants import SYMMETRIES, VARIANTS, Variant, pose
 from isoref.field import Field
@@ -65,6 +65,7 @@ def test_values_that_a_type_does_not_hold_are_not_posed() -> None:
     """Halves are no integers, 300 is no byte, and a third is not in single precision."""
     assert pose("int16", Field.of(np.full((2, 2, 2), 0.5)), 0.0) is None
     assert pose("uint8", Field.of(np.full((2, 2, 2), 300.0)), 0.0) is None
+    assert pose("uint8", Field.of(np.resize([0.0, 300.0], (2, 2, 2))), 0.0) is None
     assert pose("float32", Field.of(np.full((2, 2, 2), 1 / 3)), 0.0) is None
     assert pose("float64", FIELD, 0.0) is None
 
@@ -74,9 +75,10 @@ def test_a_shift_keeps_every_sample_on_its_side(values: list[float], isovalue: f
     """Or is not posed."""
     field = Field.of(np.reshape(values, (2, 2, 2)))
     posed = pose("shift", field, isovalue)
-    if posed is not None:
-        before, after = field.values - isovalue, posed[0].values - posed[1]
-        assert np.array_equal(np.sign(before), np.sign(after))
+    assume(posed is not None)
+    assert posed is not None
+    before, after = field.values - isovalue, posed[0].values - posed[1]
+    assert np.array_equal(np.sign(before), np.sign(after))
 
 
 def test_a_shift_that_makes_a_tie_is_not_posed() -> None:
@@ -105,3 +107,58 @@ def test_isovalues_beyond_all_samples() -> None:
     assert below is not None
     assert above[1] > FIELD.values.max()
     assert below[1] < FIELD.values.min()
+
+
+def test_a_shift_moves_values_and_isovalue_by_one_power_of_two() -> None:
+    """The least that is as large as the largest difference from the isovalue."""
+    posed = pose("shift", FIELD, 99.5)
+    assert posed is not None
+    largest = float(np.abs(FIELD.values - 99.5).max())
+    assert 64 < largest <= 128
+    assert set((posed[0].values - FIELD.values).ravel().tolist()) == {128.0}
+    assert posed[1] == 99.5 + 128
+
+
+def test_a_levelled_field_keeps_sides_and_order_and_little_else() -> None:
+    """Each sample about 1 from the isovalue 0, in its old order."""
+    posed = pose("level", FIELD, 99.5)
+    assert posed is not None
+    field, isovalue = posed
+    assert isovalue == 0.0
+    assert np.array_equal(field.values > 0, FIELD.values > 99.5)
+    assert 0 < np.abs(np.abs(field.values) - 1).max() <= 2.0**-12
+    assert np.array_equal(
+        np.unique(field.values.ravel(), return_inverse=True)[1],
+        np.unique(FIELD.values.ravel(), return_inverse=True)[1],
+    )
+
+
+def test_a_translated_field_has_a_rim_of_one_sample_before_and_two_after() -> None:
+    """It repeats what is beside it."""
+    posed = pose("translate", FIELD, 0.5)
+    assert posed is not None
+    assert posed[0].shape == tuple(n + 3 for n in FIELD.shape)
+    nearest = [np.clip(np.arange(-1, n + 2), 0, n - 1) for n in FIELD.shape]
+    assert np.array_equal(posed[0].values, FIELD.values[np.ix_(*nearest)])
+
+
+@pytest.mark.parametrize("field", [FIELD, Field.of(np.full((2, 2, 2), 3.0))])
+def test_an_isovalue_out_of_range_is_outside_the_samples(field: Field) -> None:
+    """By 1 at least, also of a field that is constant."""
+    above, below = pose("above", field, 3.0), pose("below", field, 3.0)
+    assert above is not None
+    assert below is not None
+    assert above[1] >= field.values.max() + 1
+    assert below[1] <= field.values.min() - 1
+    assert np.array_equal(above[0].values, field.values)
+
+
+def test_a_plane_is_one_that_crosses_the_isovalue_with_its_own_spacing() -> None:
+    """The first; none where no plane has values on both sides."""
+    values = np.zeros((3, 2, 2))
+    values[1, 0, 0] = 1.0
+    posed = pose("rank-2", Field.of(values, (0.5, 1.0, 2.0), (1.0, 2.0, 3.0)), 0.5)
+    assert posed is not None
+    assert posed[0].values.tolist() == values[1].tolist()
+    assert (posed[0].spacing, posed[0].origin) == ((1.0, 2.0), (2.0, 3.0))
+    assert pose("rank-2", Field.of(np.zeros((2, 2, 2))), 0.5) is None
