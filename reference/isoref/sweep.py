@@ -36,8 +36,9 @@ from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, c
 from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
 
-# Points of a slab and active cells worked on at once: both fit the processor's second cache.
-SLAB_POINTS = 1 << 19
+# Points of a slab and active cells worked on at once: a slab's bytes fit the processor's last
+# cache, the numbers of a block of cells nearly fit its second.
+SLAB_POINTS = 1 << 20
 BLOCK_CELLS = 1 << 14
 
 
@@ -186,8 +187,8 @@ def _swept(rule: Rule, field: Field, isovalue: float, with_cells: bool) -> tuple
     volume, tiles = _Volume.of(field, isovalue), _Tiles(rule)
     slabs = list(_find(volume, tiles))
     surface = _Surface(volume, tiles, slabs, with_cells)
-    for n, slab in enumerate(slabs):
-        surface.add(slab, behind=slabs[n + 1 : n + 2])
+    for slab, behind in zip(slabs, [*slabs[1:], None], strict=True):
+        surface.add(slab, behind)
     surface.place_interior_points(slabs)
     return Mesh(surface.vertices, surface.triangles), surface.cells
 
@@ -223,6 +224,15 @@ class _Tiles:
             end += len(tile.triangles)
             rows.append(np.array(tile.triangles, np.int64).reshape(-1, 3))
         self.nodes = np.concatenate(rows)
+
+
+def number_type(n: int) -> type[np.int32 | np.int64]:
+    """The least of the two common integer types that can number n things.
+
+    >>> number_type(1 << 31).__name__, number_type((1 << 31) + 1).__name__
+    ('int32', 'int64')
+    """
+    return np.int32 if n <= 1 << 31 else np.int64
 
 
 def _take(table: Array, index: Array) -> Array:
@@ -290,9 +300,9 @@ class _Slab:
     """
 
     first: int
-    owners: NDArray[np.int32]
+    owners: Array
     signs: NDArray[np.uint8]
-    cells: NDArray[np.int32]
+    cells: Array
     keys: Array
     having: Integers
     corners: Array
@@ -307,7 +317,7 @@ def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
         samples = volume.samples(first)
         dense = _dense_signs(volume, samples, work)
         dense = dense[: min(volume.planes, n1 - first) * n2 * n3]
-        owners = np.flatnonzero(_mixed(dense, work[1])).astype(np.int32)
+        owners = np.flatnonzero(_mixed(dense, work[1])).astype(number_type(points))
         signs = _take(dense, owners)
         i, j, k = volume.index(owners)
         real = np.flatnonzero((i < n1 - 1 - first) & (j < n2 - 1) & (k < n3 - 1))
@@ -349,7 +359,7 @@ def _keys(
     volume: _Volume,
     tiles: _Tiles,
     samples: Array,
-    cells: NDArray[np.int32],
+    cells: Array,
     signs: NDArray[np.uint8],
 ) -> Array:
     """The key of each cell, its decisions taken only where the rule asks."""
@@ -370,7 +380,7 @@ _CROSSED = np.array(
 _CROSSINGS = _CROSSED.sum(axis=1, dtype=np.int64)
 
 
-def _crossed_edges(owners: NDArray[np.int32], signs: NDArray[np.uint8]) -> tuple[Array, Integers]:
+def _crossed_edges(owners: Array, signs: NDArray[np.uint8]) -> tuple[Array, Integers]:
     """The crossed edges these cells own, in order: their lower points and their axes."""
     slots = np.flatnonzero(_take(_CROSSED.view(np.uint32), signs).view(np.bool_))
     return _take(owners, slots >> 2), slots & 3
@@ -414,41 +424,36 @@ class _Surface:
         self.triangles = np.empty((triangles, 3), np.int64)
         self.cells = np.empty(triangles if with_cells else 0, np.int64)
         self.made = self.gathered = self.made_inside = 0
-        number = np.int32 if self.crossings < 1 << 31 else np.int64
-        self.vertex_of = np.empty(3 * (volume.planes + 1) * int(volume.strides[0]), number)
+        edges = 3 * (volume.planes + 1) * int(volume.strides[0])
+        self.vertex_of = np.empty(edges, number_type(self.crossings))
         # Edge e of a cell is the lower edge, along its axis, of the cell at its lower corner.
         corner_steps = CORNER_OFFSETS @ volume.strides
         edge_steps = 3 * corner_steps[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
         self.steps = np.append(edge_steps, 0)[np.minimum(tiles.nodes.T, 12)]
 
-    def add(self, slab: _Slab, behind: list[_Slab]) -> None:
-        """Number and place the crossings of the slab's edges, and gather its triangles.
-
-        behind : the next slab, or none
-        """
+    def add(self, slab: _Slab, behind: _Slab | None) -> None:
+        """Write the crossings of a slab's edges and its triangles; `behind` is the next slab."""
         samples = self.volume.samples(slab.first)
         for block in _blocks(len(slab.owners)):
             points, axis = _crossed_edges(slab.owners[block], slab.signs[block])
             self._number(points, axis, self.made)
             self._place(slab, samples, points, axis)
             self.made += len(points)
-        for following in behind:
+        if behind is not None:
             # The upper edges of the last cells belong to the next slab: number them ahead.
             plane = int(self.volume.strides[0])
-            ahead = slice(0, int(np.searchsorted(following.owners, plane)))
-            points, axis = _crossed_edges(following.owners[ahead], following.signs[ahead])
+            ahead = slice(0, int(np.searchsorted(behind.owners, plane)))
+            points, axis = _crossed_edges(behind.owners[ahead], behind.signs[ahead])
             self._number(points + self.volume.planes * plane, axis, self.made)
         for block in _blocks(len(slab.cells)):
             self._gather(slab, slab.cells[block], slab.keys[block])
 
-    def _number(self, points: NDArray[np.int32], axis: Integers, first: int) -> None:
+    def _number(self, points: Array, axis: Integers, first: int) -> None:
         """Remember the vertices of these edges, numbered from `first` on."""
         edges = 3 * points.astype(np.int64) + axis
         self.vertex_of[edges] = np.arange(first, first + len(edges), dtype=self.vertex_of.dtype)
 
-    def _place(
-        self, slab: _Slab, samples: Array, points: NDArray[np.int32], axis: Integers
-    ) -> None:
+    def _place(self, slab: _Slab, samples: Array, points: Array, axis: Integers) -> None:
         """Write the positions of the crossings of these edges."""
         field = self.volume.field
         low = self.volume.relative(_take(samples, points))
@@ -461,7 +466,7 @@ class _Surface:
             place *= field.spacing[a]
             np.add(place, field.origin[a], out=out[:, a])
 
-    def _gather(self, slab: _Slab, cells: NDArray[np.int32], keys: Array) -> None:
+    def _gather(self, slab: _Slab, cells: Array, keys: Array) -> None:
         """Write the triangles of these cells, in order."""
         count = _take(self.tiles.count, keys)
         end = np.cumsum(count)
@@ -482,16 +487,18 @@ class _Surface:
     def _gather_inside(self, keys: Array, owner: Integers, row: Integers) -> None:
         """Write the nodes of triangles that are interior points, numbered cell by cell."""
         interior = _take(self.tiles.interior, keys)
+        if not interior.any():
+            return
         end = np.cumsum(interior)
         first = end - interior + (self.crossings + self.made_inside)
         for k, nodes in enumerate(self.tiles.nodes.T):
-            if end[-1] and nodes.max() >= 12:
+            if nodes.max() >= 12:
                 places = np.flatnonzero(_take(nodes >= 12, row))
                 numbers = _take(first, owner[places]) + nodes[row[places]] - 12
                 self.triangles[self.gathered + places, k] = numbers
         self.made_inside += int(end[-1])
 
-    def _flat(self, slab: _Slab, cells: NDArray[np.int32]) -> Integers:
+    def _flat(self, slab: _Slab, cells: Array) -> Integers:
         """The flat index of cells in the lattice of cells."""
         i, j, k = self.volume.index(cells.astype(np.int64))
         _, n2, n3 = self.volume.field.shape

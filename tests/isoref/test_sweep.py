@@ -61,6 +61,23 @@ def test_both_sweeps_put_every_triangle_in_place_with_ties(
     assert sorted(map(tuple, corners(fast))) == sorted(map(tuple, corners(plain)))
 
 
+@pytest.mark.parametrize("slab_points", [150, 1 << 20])
+def test_layout_and_byte_order_make_no_difference(
+    slab_points: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same samples give the same arrays, however they lie in memory."""
+    monkeypatch.setattr(isoref.sweep, "SLAB_POINTS", slab_points)
+    plain = np.random.default_rng(11).normal(size=(7, 9, 10)).astype(np.float32)
+    spread = np.zeros((14, 9, 20), np.float32)
+    spread[::2, :, ::2] = plain
+    rule = RULES["marching-vesta-mixed-H"]
+    mesh = sweep(rule, Field.of(plain), 0.1)
+    for same in (np.asfortranarray(plain), plain.astype(">f4"), spread[::2, :, ::2]):
+        other = sweep(rule, Field.of(same), 0.1)
+        assert np.array_equal(mesh.vertices, other.vertices)
+        assert np.array_equal(mesh.simplices, other.simplices)
+
+
 def test_triangles_come_in_the_order_of_their_cells() -> None:
     """`sweep_with_cells` names for each triangle the cell that holds its vertices."""
     values = np.random.default_rng(3).normal(size=(5, 4, 6))
