@@ -72,8 +72,26 @@ def crossing_parameter(low: Floats, high: Floats) -> Floats:
     """Where on an edge the linear interpolant vanishes, 0 at the end `low` and 1 at `high`.
 
     Both are relative values (sample minus isovalue) of different signs.
+
+    >>> crossing_parameter(np.array([-1.5e308]), np.array([1.5e308]))
+    array([0.5])
+
+    Raises
+    ------
+    FieldError
+        where a relative value itself is beyond what a float holds.
     """
-    return np.asarray(low / (low - high))
+    with np.errstate(over="ignore"):
+        gap = np.asarray(low - high)
+    if np.isfinite(gap).all():
+        return np.asarray(low / gap)
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        raise FieldError(
+            "a sample differs from the isovalue by more than a float holds: scale both"
+        )
+    # Halve what would overflow, and nothing else: the smallest floats have no half.
+    half = np.where(np.isfinite(gap), 1.0, 0.5)
+    return np.asarray(low * half / (low * half - high * half))
 
 
 def _check_volume(field: Field) -> None:

@@ -75,10 +75,25 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
 
 
 def test_a_program_is_checked_like_a_function(tmp_path: Path) -> None:
-    triangle = '{"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[1, 2, 3]]}'
+    triangle = '{"id": 1, "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[1, 2, 3]]}'
     script = tmp_path / "program.sh"
     script.write_text(
-        f"read start; echo '{{\"protocol\": 1}}'; while read run; do echo '{triangle}'; done"
+        f"read start; echo '{{\"protocol\": 2}}'; while read run; do echo '{triangle}'; done"
     )
     said = check(f"exec:sh {shlex.quote(str(script))}")
     assert said[-1] == (Verdict.FAIL, "faces count vertices from 1: subtract 1")
+
+
+def test_another_discipline_is_checked_by_its_smallest_cases() -> None:
+    """Its conventions are not those of surfaces: nothing is said of them."""
+    said = check("contours:diconex-mixed")
+    assert [verdict for verdict, _ in said] == [Verdict.PASS] * 7
+    assert all("contours/" in sentence for _, sentence in said[1:])
+
+
+def test_an_unknown_discipline_is_told_at_the_door(tmp_path: Path) -> None:
+    path = tmp_path / "odd.py"
+    path.write_text("def f(*_): ...\nf.declaration = {'discipline': 'surface'}\n")
+    ((verdict, sentence),) = check(f"python:{path}:f")
+    assert verdict is Verdict.ERROR
+    assert "'surface' is not one of ['surfaces'," in sentence

@@ -1,5 +1,6 @@
 """The command says what it did, and leaves with the right status."""
 
+import itertools
 import json
 import subprocess
 import sys
@@ -109,6 +110,8 @@ def test_a_file_that_is_no_report_is_refused(tmp_path: Path) -> None:
         (("grade", "isoref:lorensen-cline", "--all"), 2, "name one implementation, or --all"),
         (("grade", "skimage:levine"), 3, "did you mean skimage:lewiner"),
         (("grade", "python:absent_module:f"), 3, "absent_module"),
+        (("grade", "pyhton:mine:f"), 3, "did you mean python:mine:f?"),
+        (("grade", "isoref:lorensen-cline", "--only", "topology.closd"), 4, "topology.closed?"),
         (("grade", "isoref:lorensen-cline", "--only", "absent"), 4, "nothing matches absent"),
         (("grade", "isoref:lorensen-cline", "--jobs", "0"), 2, "greater than or equal to 1"),
         (("explain", "topology.closd"), 2, "did you mean topology.closed"),
@@ -234,7 +237,7 @@ def test_no_process_outlives_a_run_that_is_killed(tmp_path: Path) -> None:
     options = ["--only", "pairs/*", "--full", "--jobs", "2", "--out", str(tmp_path)]
     running = psutil.Popen([*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     with running:
-        lines = tmp_path / "report.jsonl"
+        lines = tmp_path / "unfinished-report.jsonl"
         deadline = time.monotonic() + 90
         while not (lines.exists() and '"result"' in lines.read_text(encoding="utf-8")):
             assert time.monotonic() < deadline, "nothing was judged"
@@ -317,3 +320,39 @@ def test_a_rule_is_proved_or_the_pairs_that_tear_are_named() -> None:
     assert "manifold on every field" in good.output
     assert "tear" in bad.output
     assert run("prove", "asymptotic").exit_code == 2
+
+
+@pytest.mark.parametrize("place", ["file", "file/below"])
+def test_a_folder_that_cannot_be_written_is_named(place: str, flawed: Path, tmp_path: Path) -> None:
+    """No traceback, and no report."""
+    (tmp_path / "file").write_text("in the way")
+    options = ("--only", "pairs/0217", "--only", "topology.closed", "--out", tmp_path / place)
+    result = run("grade", "isoref:asymptotic-decider", *options)
+    assert result.exit_code == 2
+    assert "cannot be written" in result.output
+    assert "name another folder with --out" in result.output
+    result = run("compare", flawed, "-o", tmp_path / place / "table.md")
+    assert result.exit_code == 2
+    assert "cannot be written" in result.output
+
+
+def test_a_run_that_is_stopped_leaves_the_last_report_as_it_was(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Ctrl-C in the middle: what was found stands beside, under a name that says so."""
+    asked = ("grade", "isoref:asymptotic-decider", "--only", "pairs/02*", "--out", tmp_path)
+    assert run(*asked, "--format", "md").exit_code == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    done = itertools.count()
+
+    def stopped(tally: record.Tally, judged: object) -> None:
+        if next(done) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(record.Tally, "add", stopped)
+    result = run(*asked, "--format", "md")
+    assert result.exit_code == 130
+    assert "unfinished-report.jsonl" in result.output
+    after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert after.pop("unfinished-report.jsonl").count(b'"kind":"result"') == 4
+    assert after == before

@@ -1,7 +1,12 @@
 """The vectors are what they say, and stay the same for ever."""
 
+import hashlib
 import itertools
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -244,6 +249,56 @@ def test_a_volume_without_an_address_says_where_to_get_it() -> None:
     volume = volumes.Volume("x", "", "x.npy", (1, 1, 1), "uint8", (), "", "the archive")
     with pytest.raises(volumes.VolumeError, match="get it from the archive"):
         volumes.fetch(volume)
+
+
+TINY = volumes.Volume(
+    "tiny", "", "tiny.raw", (2, 2, 2), "uint8", (), "", "the archive", "https://h.invalid/tiny.raw"
+)
+
+
+def _given(monkeypatch: pytest.MonkeyPatch, folder: Path, retrieve: Callable[..., Any]) -> None:
+    """Downloads go into the folder by `retrieve`, in the place of pooch's."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
+    monkeypatch.delenv("ISOGRADE_DATA", raising=False)
+    monkeypatch.setitem(sys.modules, "pooch", SimpleNamespace(retrieve=retrieve))
+
+
+def test_without_a_network_it_is_said_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def fails(*_: Any, **__: Any) -> Any:
+        raise ConnectionError("no route to host")
+
+    _given(monkeypatch, tmp_path, fails)
+    with pytest.raises(volumes.VolumeError) as told:
+        volumes.fetch(TINY)
+    for words in ("ConnectionError", "the archive", "tiny.raw", str(tmp_path), "ISOGRADE_DATA"):
+        assert words in str(told.value)
+    assert not list(tmp_path.rglob("*.raw"))
+
+
+@pytest.mark.parametrize("size", [8, 7])
+def test_a_download_that_nothing_vouches_for_is_said_to_be_unverified(
+    size: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What has the wrong size is not kept."""
+
+    def writes(url: str, known: str | None, fname: str, path: Path) -> str:
+        assert known is None
+        path.mkdir(parents=True)
+        (path / fname).write_bytes(bytes(size))
+        return str(path / fname)
+
+    _given(monkeypatch, tmp_path, writes)
+    if size == 8:
+        assert volumes.read(volumes.fetch(TINY), volume=TINY).shape == (2, 2, 2)
+        told = capsys.readouterr().err
+        assert "unverified" in told
+        assert hashlib.sha256(bytes(8)).hexdigest() in told
+    else:
+        with pytest.raises(volumes.VolumeError, match="7 bytes, where tiny has 8"):
+            volumes.fetch(TINY)
+        assert not list(tmp_path.rglob("*.raw"))
 
 
 def test_all_cases_hold_every_family() -> None:

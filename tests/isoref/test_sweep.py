@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import isoref.sweep
 import numpy as np
 import pytest
@@ -8,7 +10,14 @@ from isoref.field import Array, Field, FieldError
 from isoref.mesh import Mesh
 from isoref.methods import RULES
 from isoref.rule import Rule
-from isoref.sweep import inside_samples, least_inside, sweep, sweep_plain, sweep_with_cells
+from isoref.sweep import (
+    crossing_parameter,
+    inside_samples,
+    least_inside,
+    sweep,
+    sweep_plain,
+    sweep_with_cells,
+)
 
 
 def assert_same(a: Mesh, b: Mesh) -> None:
@@ -128,3 +137,29 @@ def test_an_isovalue_that_is_no_number_is_refused() -> None:
     """NaN: a clear error."""
     with pytest.raises(FieldError, match="not finite"):
         sweep(RULES["asymptotic-decider"], Field.of(np.zeros((3, 3, 3))), float("nan"))
+
+
+@pytest.mark.parametrize("size", [1.7e308, 1e-300, 2.0**-1000])
+@pytest.mark.parametrize("carry", [sweep, sweep_plain])
+def test_vertices_do_not_move_where_values_are_huge_or_tiny(
+    carry: Callable[[Rule, Field, float], Mesh], size: float
+) -> None:
+    """The difference of two samples may overflow: the crossing is still halfway to the sample."""
+    values = np.where(np.indices((3, 4, 3)).sum(axis=0) % 3, -1.0, 1.0) * [1.0, 0.5, 0.25]
+    rule = RULES["asymptotic-decider"]
+    plain = carry(rule, Field.of(values), 0.0)
+    scaled = carry(rule, Field.of(values * size), 0.0)
+    assert len(plain.vertices) > 10
+    assert np.allclose(scaled.vertices, plain.vertices, rtol=0, atol=1e-12)
+
+
+def test_the_crossing_of_the_smallest_floats_is_between_them() -> None:
+    least = np.array([5e-324])
+    assert crossing_parameter(-least, least) == 0.5
+    assert crossing_parameter(-1.7e308 * least / least, least) == 1.0
+    assert crossing_parameter(np.array([-1.7e308]), np.array([0.85e308])) == pytest.approx(2 / 3)
+
+
+def test_a_difference_beyond_what_a_float_holds_is_refused() -> None:
+    with pytest.raises(FieldError, match="than a float holds"):
+        crossing_parameter(np.array([-np.inf]), np.array([1e308]))

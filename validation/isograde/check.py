@@ -33,6 +33,9 @@ from isograde.model import (
 Advice = tuple[Verdict, str]
 Array = NDArray[Any]
 
+# Disciplines whose small cases are judged, instead of conventions measured; and how many.
+OTHERS = ("contours", "curves", "simplices")
+BESIDE = 6
 SHORT = Limits(seconds=10.0, megabytes=4096)
 
 ENDED: dict[Status, tuple[Verdict, str]] = {
@@ -41,7 +44,7 @@ ENDED: dict[Status, tuple[Verdict, str]] = {
         Verdict.UNSUPPORTED,
         "it declined a plain field of 5 x 6 x 7 float64 samples",
     ),
-    Status.GARBAGE: (Verdict.FAIL, "its answer is no pair of vertices (V, 3) and faces (F, 3)"),
+    Status.GARBAGE: (Verdict.FAIL, "its answer is no pair of vertices (V, 3), faces (F, 3)"),
     Status.CRASH: (Verdict.CRASH, "its process died"),
     Status.TIMEOUT: (Verdict.TIMEOUT, "it did not answer a field of 5 x 6 x 7 samples in time"),
     Status.MEMORY: (Verdict.TIMEOUT, "it ran out of memory on a field of 5 x 6 x 7 samples"),
@@ -70,11 +73,16 @@ def check(spec: str) -> list[Advice]:
     >>> [verdict.value for verdict, _ in check("no-such-thing")]
     ['error']
     """
+    if spec.partition(":")[0] in OTHERS:
+        return _beside(spec)
     try:
         door = open_door(spec)
         declaration = door.open(SHORT)
     except DoorError as error:
         return [(Verdict.ERROR, str(error))]
+    if declaration.discipline in OTHERS:
+        door.close()
+        return _beside(spec)
     try:
         advice = [(Verdict.PASS, _introduced(declaration))]
         if isinstance(door, DirectoryDoor):
@@ -83,6 +91,32 @@ def check(spec: str) -> list[Advice]:
         return advice + list(_calls(door, declaration))
     finally:
         door.close()
+
+
+def _beside(spec: str) -> list[Advice]:
+    """What an implementation of another discipline than surfaces makes of its smallest cases."""
+    # Import what judges only here: for surfaces nobody shall wait for it.
+    from isograde.runner import Options, Task, Worker
+
+    try:
+        worker = Worker.open(spec, Options(limits=SHORT))
+    except DoorError as error:
+        return [(Verdict.ERROR, str(error))]
+    advice = [(Verdict.PASS, _introduced(worker.declaration))]
+    try:
+        for case in sorted(worker.cases.values(), key=lambda case: case.samples)[:BESIDE]:
+            claims = [name for name, one in worker.claims.items() if one.level in (0, 1)]
+            asked = [name for name in claims if worker.claims[name].applies_to(case)]
+            found = worker.judge(Task(case.id, tuple(asked))).findings
+            bad = {name: one for name, one in found.items() if one.verdict is not Verdict.PASS}
+            advice += [
+                (one.verdict, f"{case.id}, {name}: {one.detail}") for name, one in bad.items()
+            ]
+            if not bad:
+                advice.append((Verdict.PASS, f"{case.id}: {len(found)} claims of levels 0 and 1"))
+    finally:
+        worker.door.close()
+    return advice
 
 
 def _introduced(declaration: Declaration) -> str:
@@ -111,7 +145,7 @@ def _calls(door: ProcessDoor, declaration: Declaration) -> Iterator[Advice]:
     plain = ask(field, LEVEL)
     if plain.status is not Status.OK:
         verdict, sentence = ENDED[plain.status]
-        yield verdict, f"on 5 x 6 x 7 float64 samples {sentence}: {plain.detail}{_hint(plain)}"
+        yield verdict, f"{sentence}: {plain.detail}{_hint(plain)}"
         return
     mistakes = list(malformed(plain))
     yield from ((Verdict.FAIL, mistake) for mistake in mistakes)
@@ -130,6 +164,8 @@ def _hint(outcome: Outcome) -> str:
         return "; it is called as function(values, isovalue, spacing)"
     if "of 4" in outcome.detail or "of 3" in outcome.detail:
         return "; return only the first two"
+    if "NoneType" in outcome.detail:
+        return "; does the function end with `return vertices, faces`?"
     return ""
 
 

@@ -23,6 +23,7 @@ app = typer.Typer(
     name="isograde",
     no_args_is_help=True,
     add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode="rich",
     help="Grade an isosurface extractor: what it guarantees, and the smallest case that breaks it.",
     epilog="Start with [bold]isograde check python:mine:extract[/bold], then [bold]isograde grade "
@@ -230,7 +231,7 @@ def prove_(
 
 
 def main() -> None:
-    """Run the command. A fault of its own is none of the documented statuses."""
+    """Run the command. A fault of its own is none of the documented statuses, nor is Ctrl-C."""
     try:
         app()
     except Exception:  # noqa: BLE001 - shown whole, and told apart from claims that fail

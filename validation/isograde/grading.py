@@ -1,7 +1,9 @@
 """One implementation graded from door to report.
 
-The JSON lines are written while the cases run, so that a run that is cut off leaves what it found,
-and no footer. The pages are made from the lines afterwards, and can be made again from them.
+The JSON lines are written while the cases run, into a file beside the report that takes its place
+at the end. A run that is cut off leaves there what it found, without a footer, and the report of an
+earlier run as it was. The pages are made from the lines afterwards, and can be made again from
+them.
 """
 
 from __future__ import annotations
@@ -66,7 +68,8 @@ def grade(
         tasks = plan(options, worker.cases, worker.claims)
         options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
         path.parent.mkdir(parents=True, exist_ok=True)
-        with record.open_text(path, "w") as file:
+        draft = unfinished(path)
+        with record.open_text(draft, "w") as file:
             writer = Writer(file, worker)
             writer.write(record.header(spec, worker.declaration, options, list(arguments)))
             writer.write_claims(tasks)
@@ -74,9 +77,15 @@ def grade(
             writer.write_evidence(smallest, options)
             seconds = time.perf_counter() - start
             writer.write(tally.footer(seconds, record.gather(writer.records)))
+        draft.replace(path)
     finally:
         worker.door.close()
     return record.gather(writer.records)
+
+
+def unfinished(path: Path) -> Path:
+    """Where the lines of the report `path` stand until it has all of them."""
+    return path.with_name(f"unfinished-{path.name}")
 
 
 class Writer:

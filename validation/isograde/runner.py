@@ -25,6 +25,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from dataclasses import field as fresh
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from isoref.field import Field
@@ -124,8 +125,12 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
             tasks.append(Task(case.id, wanted))
     if not tasks:
         asked = " ".join(options.only) or "the plan"
+        known = [*claims, *cases]
+        close = [near for one in options.only for near in get_close_matches(one, known, n=1)]
+        hint = f"did you mean {' '.join(close)}? " if close else ""
         raise NothingToRun(
-            f"nothing matches {asked}; `isograde list claims` and `isograde list fields` show ids"
+            f"nothing matches {asked}; {hint}`isograde list claims` and `isograde list fields` "
+            "show ids"
         )
     return tasks
 

@@ -51,7 +51,11 @@ def compare(files: list[Path], out: Path | None) -> None:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
         page = comparison.comparison_page(found, [""] * len(found))
         text = page if out.suffix == ".html" else comparison.markdown_table(found)
-        say(f"comparison: [bold]{escape(str(reports.write_whole(out, text)))}[/]")
+        try:
+            reports.write_whole(out, text)
+        except OSError as error:
+            stop(Exit.WRONG_USE, f"{out} cannot be written: {error.strerror}")
+        say(f"comparison: [bold]{escape(str(out))}[/]")
         return
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("claim", no_wrap=True)

@@ -18,7 +18,10 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 class Exit(IntEnum):
-    """Exit status of the command; 70, as sysexits.h has it, where the command itself broke."""
+    """Exit status of the command.
+
+    70, as sysexits.h has it, where the command itself broke; 130, as shells have it, after Ctrl-C.
+    """
 
     HOLDS = 0
     FAILS = 1
@@ -26,6 +29,7 @@ class Exit(IntEnum):
     NOT_STARTED = 3
     NOTHING_RAN = 4
     BROKEN = 70
+    STOPPED = 130
 
 
 def stop(status: Exit, message: str) -> NoReturn:

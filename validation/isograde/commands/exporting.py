@@ -23,8 +23,9 @@ def export(folder: Path, options: Options, variants: bool, discipline: str) -> N
         stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
         stop(Exit.NOTHING_RAN, str(error.args[0]))
+    fields = "1 field" if count == 1 else f"{count:,} fields"
     console.print(
-        f"{count:,} fields in [bold]{escape(str(folder))}[/]; put an answer beside each, then "
+        f"{fields} in [bold]{escape(str(folder))}[/]; put an answer beside each, then "
         f"isograde grade dir:{escape(str(folder))}"
     )
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import typer
@@ -14,7 +16,7 @@ from isograde import report as reports
 from isograde.commands.console import Exit, console, errors, say, stop
 from isograde.disciplines.registry import READY_MADE as OTHERS
 from isograde.doors import ready_made_names
-from isograde.grading import grade
+from isograde.grading import grade, unfinished
 from isograde.model import DoorError
 from isograde.report import comparison, record, words
 from isograde.runner import BAD, NothingToRun, Options
@@ -22,8 +24,10 @@ from isograde.runner import BAD, NothingToRun, Options
 
 def grade_one(spec: str, options: Options, out: Path, kinds: list[str]) -> None:
     """One implementation graded, its report written and told."""
-    result = _grade(spec, options, out / "report.jsonl")
-    pages = reports.write(result, out, "report", kinds)
+    path = out / "report.jsonl"
+    with _faults_told(path):
+        result = _grade(spec, options, path)
+        pages = reports.write(result, out, "report", kinds)
     _tell(result)
     shown = pages[0] if pages else out / "report.jsonl"
     say(f"\nreport: [bold]{escape(str(shown))}[/]")
@@ -32,21 +36,37 @@ def grade_one(spec: str, options: Options, out: Path, kinds: list[str]) -> None:
 
 def _grade(spec: str, options: Options, path: Path) -> record.Report:
     """The report of one implementation, with a bar while it is made."""
+    with _progress() as bar:
+        task = bar.add_task(spec, total=None, bad="")
+
+        def watch(done: int, total: int, tally: record.Tally) -> None:
+            bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
+            bar.update(task, completed=done, total=total, bad=f"{bad} bad" if bad else "")
+
+        return grade(spec, options, path, arguments=sys.argv[1:], watch=watch)
+
+
+@contextmanager
+def _faults_told(path: Path) -> Iterator[None]:
+    """Whatever ends the making of a report is told, with its status."""
     try:
-        with _progress() as bar:
-            task = bar.add_task(spec, total=None, bad="")
-
-            def watch(done: int, total: int, tally: record.Tally) -> None:
-                bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
-                bar.update(task, completed=done, total=total, bad=f"{bad} bad" if bad else "")
-
-            return grade(spec, options, path, arguments=sys.argv[1:], watch=watch)
+        yield
     except DoorError as error:
         stop(Exit.NOT_STARTED, str(error))
     except NothingToRun as error:
         stop(Exit.NOTHING_RAN, str(error.args[0]))
     except OSError as error:
-        stop(Exit.WRONG_USE, f"{path} cannot be written: {error}")
+        why = f"{path} cannot be written: {error.filename}: {error.strerror}"
+        stop(Exit.WRONG_USE, f"{why}; name another folder with --out")
+    except KeyboardInterrupt:
+        stop(Exit.STOPPED, _stopped(path))
+
+
+def _stopped(path: Path) -> str:
+    """What is there after Ctrl-C."""
+    draft = unfinished(path)
+    kept = f"; what it found until then is in {draft}" if draft.exists() else ""
+    return f"stopped before the end{kept}. No report was written or changed."
 
 
 def _progress() -> Progress:
@@ -67,8 +87,11 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
     absent: dict[str, str] = {}
     for spec in [*ready_made_names(), *OTHERS]:
         stem = spec.replace(":", "-")
+        path = out / f"{stem}.jsonl.gz"
         try:
-            done[stem] = _grade_quietly(spec, options, out / f"{stem}.jsonl.gz")
+            done[stem] = _grade_quietly(spec, options, path)
+        except KeyboardInterrupt:
+            stop(Exit.STOPPED, _stopped(path))
         except DoorError as error:
             absent[spec] = str(error)
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")

@@ -25,6 +25,10 @@ from isograde.model import Door, DoorError
 __all__ = ["export", "open_door", "ready_made_names"]
 
 
+# The doors to an implementation of one's own, by the word before the colon.
+KINDS = ("python", "exec", "dir")
+
+
 def ready_made_names() -> list[str]:
     """The names of the doors that come with the grader, whether or not their library is here."""
     return sorted(READY_MADE)
@@ -41,6 +45,9 @@ def open_door(spec: str) -> Door:
     >>> open_door("skimage:levine")
     Traceback (most recent call last):
     isograde.model.DoorError: no implementation 'skimage:levine'; did you mean skimage:lewiner?
+    >>> open_door("pyhton:mine:f")
+    Traceback (most recent call last):
+    isograde.model.DoorError: no implementation 'pyhton:mine:f'; did you mean python:mine:f?
     """
     kind, _, rest = spec.partition(":")
     if spec in READY_MADE or (kind == "python" and rest):
@@ -49,7 +56,8 @@ def open_door(spec: str) -> Door:
         return ExecDoor(spec)
     if kind == "dir" and rest:
         return DirectoryDoor(spec)
-    close = difflib.get_close_matches(spec, READY_MADE, n=1)
+    close = difflib.get_close_matches(kind, KINDS, n=1) if rest and kind not in KINDS else []
+    close = [f"{close[0]}:{rest}"] if close else difflib.get_close_matches(spec, READY_MADE, n=1)
     hint = (
         f"did you mean {close[0]}?" if close else "`isograde list implementations` shows the names"
     )

@@ -18,7 +18,9 @@ means that nobody here has seen the bytes.
 
 from __future__ import annotations
 
+import hashlib
 import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -102,10 +104,15 @@ def cache_folder() -> Path:
 def fetch(volume: Volume) -> Path:
     """The file of a volume, downloaded from its public address where it is not present.
 
+    No address here has been tried, and none has a checksum that was computed from its file: a
+    warning says so, with the checksum of what came. What comes is refused where its size is not
+    that of the samples.
+
     Raises
     ------
     VolumeError
-        where it has no address, pooch is not installed, or the download fails.
+        where it has no address, pooch is not installed, the download fails, or what came is not
+        as large as the volume.
     """
     place = find(volume)
     if place is not None:
@@ -115,10 +122,38 @@ def fetch(volume: Volume) -> Path:
     pooch = _library("pooch")
     known = f"sha256:{volume.sha256}" if volume.sha256 else None
     try:
-        got = pooch.retrieve(volume.url, known, fname=volume.file, path=cache_folder())
+        got = Path(pooch.retrieve(volume.url, known, fname=volume.file, path=cache_folder()))
     except (OSError, ValueError) as error:
-        raise VolumeError(f"{volume.url} could not be downloaded: {error}") from error
-    return Path(got)
+        raise VolumeError(
+            f"{volume.url} could not be downloaded ({type(error).__name__}). Without a network, "
+            f"get the file elsewhere (see {volume.source}) and put it, as {volume.file}, into "
+            f"{cache_folder()} or into the folder that ISOGRADE_DATA names"
+        ) from error
+    _check_size(volume, got)
+    if known is None:
+        print(unverified(volume, got), file=sys.stderr)
+    return got
+
+
+def _check_size(volume: Volume, path: Path) -> None:
+    """Nothing, where a raw file has the bytes of its samples; else it is gone, and an error."""
+    expected, found = volume.samples * np.dtype(volume.dtype).itemsize, path.stat().st_size
+    if path.suffix == ".raw" and found != expected:
+        path.unlink()
+        raise VolumeError(
+            f"{volume.url} gave {found:,} bytes, where {volume.name} has {expected:,}: it was not "
+            "kept. Perhaps the address has changed"
+        )
+
+
+def unverified(volume: Volume, path: Path) -> str:
+    """What is to be known of a download that nothing vouches for."""
+    with path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return (
+        f"{volume.name} is unverified: nobody here has seen the file, so there is no checksum to "
+        f"compare with. What came has sha256 {digest}, and is kept as {path}"
+    )
 
 
 def read(path: Path, *, volume: Volume | None = None) -> Field:
