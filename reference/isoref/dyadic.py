@@ -47,8 +47,9 @@ leaf        a box of side 1 that was kept: a cell
 Invariants
 ----------
 The leaves contain every cell that the isosurface meets, so the mesh is that of the uniform grid,
-to the last bit, if the bound is true. A bound that is too small is detected where two samples
-that were asked for contradict it; where none was asked it cannot be.
+to the last bit, if the bound is true. A bound that is too small is detected where the samples of
+one test contradict it: all corners of a box, or its middle and its highest corner, and all corners
+of a leaf. Where no sample was asked for it cannot be.
 
 References
 ----------
@@ -457,9 +458,12 @@ class _Prober:
         near = np.flatnonzero(self._by_centre(low, high))
         numbers = corner_numbers(low[near], high[near], self.samples.shape)
         distinct, places = weld(numbers.ravel())
-        bits = sign_bits(self._minus_level(distinct))
+        values, places = self._minus_level(distinct), places.reshape(numbers.shape)
+        crossed = straddles(sign_bits(values)[places].T, values.shape[1])
         kept = np.zeros(len(low), bool)
-        kept[near] = straddles(bits[places].reshape(numbers.shape).T, self.samples.components)
+        kept[near[crossed]] = True
+        spread = self.bound.spread((high - low)[kept], low[kept], high[kept])
+        self._check(np.ptp(values[places[crossed]], axis=1), spread, low[kept], high[kept])
         return kept
 
     def _check(self, change: Floats, spread: Floats, low: Integers, high: Integers) -> None:

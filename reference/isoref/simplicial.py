@@ -59,6 +59,7 @@ from isoref.kuhn import (
     check_thickness,
     corner_offsets,
     gradient,
+    lattice_simplices,
     permutations,
     signs,
     strides,
@@ -71,6 +72,7 @@ Sampler = Callable[[Integers], Floats]
 
 Name = Any  # a sample's number, or a pair of names
 State = dict[Name, Floats]  # the point and the values of each vertex
+Named = tuple[list[Name], int]  # a simplex and its orientation
 
 # Kuhn simplices that are cut together: enough for NumPy to be fast, few enough for the cache.
 BLOCK = 1 << 17
@@ -496,33 +498,36 @@ def extract_plain(
         number: np.concatenate([index, values[number]])
         for number, index in enumerate(np.ndindex(field.shape))
     }
-    pieces = []
-    for cell in np.ndindex(*(N - 1 for N in field.shape)):
-        lowest = int(cell @ strides(field.shape))
-        for chain, sign in zip(chains(n), signs(n), strict=True):
-            names = lowest + corner_offsets(n)[chain] @ strides(field.shape)
-            simplices = [(names.tolist(), int(sign))]
-            for c in range(m):
-                simplices = [
-                    piece
-                    for simplex in simplices
-                    for piece in _cut_plainly(*simplex, state, n + c, rule, epsilon)
-                ]
-            pieces += simplices
-    used = sorted({name for names, _ in pieces for name in names})
+    rows, orientation = lattice_simplices(field.shape)
+    simplices: list[Named] = list(zip(rows.tolist(), orientation.tolist(), strict=True))
+    for c in range(m):
+        simplices = [
+            piece
+            for names, sign in simplices
+            for piece in _cut_plainly(names, sign, state, n + c, rule, epsilon)
+        ]
+    return to_mesh(_numbered(simplices, state, n, n - m), field.spacing, field.origin)
+
+
+def _numbered(simplices: list[Named], state: State, n: int, k: int) -> Complex:
+    """Named k-simplices of R^n as a complex, their vertices numbered in the order of names."""
+    used = sorted({name for names, _ in simplices for name in names})
     number = {name: i for i, name in enumerate(used)}
-    rows = [[number[name] for name in names] for names, _ in pieces]
-    orientation = np.array([sign for _, sign in pieces], np.int64)
-    points = np.array([state[name][:n] for name in used]).reshape(-1, n)
-    simplices_ = np.array(rows, np.int64).reshape(-1, n - m + 1)
-    none, names = np.empty(0, np.int64), np.empty((0, 0), np.int64)
-    complex_ = Complex(names, points, np.empty((0, 0)), simplices_, orientation, none)
-    return to_mesh(complex_, field.spacing, field.origin)
+    rows = [[number[name] for name in names] for names, _ in simplices]
+    none = np.empty((0, 0), np.int64)
+    return Complex(
+        none,
+        np.array([state[name][:n] for name in used]).reshape(-1, n),
+        np.empty((0, 0)),
+        np.array(rows, np.int64).reshape(-1, k + 1),
+        np.array([sign for _, sign in simplices], np.int64),
+        none,
+    )
 
 
 def _cut_plainly(
     names: list[Name], sign: int, state: State, psi: int, rule: str, epsilon: float | None
-) -> list[tuple[list[Name], int]]:
+) -> list[Named]:
     """The oriented simplices of the section of one simplex where entry `psi` of its state is 0."""
     positive = [bool(state[name][psi] >= 0) for name in names]
     if all(positive) or not any(positive):

@@ -202,6 +202,15 @@ def test_a_constant_that_is_too_small_is_detected_where_samples_contradict_it() 
             dyadic_tree(samples, small, 16.0, test=test)
 
 
+def test_a_constant_that_is_too_small_is_detected_on_the_corners_of_leaves() -> None:
+    """A step that neither the middle nor the highest corner of any box shows."""
+    values = np.where(np.indices((5, 5)).sum(axis=0) > 3, 1.0, -1.0)
+    values[2, 1] = 60.0
+    field = Field.of(values)
+    with pytest.raises(FieldError, match="component 0 changes by 61 between samples of the box"):
+        dyadic_tree(Samples.of_field(field), LipschitzBound(2.0))
+
+
 def test_a_constant_that_is_too_small_goes_unnoticed_where_no_sample_shows_it() -> None:
     """The limit of that: a spike between samples that were never asked is lost."""
     values = np.full((17, 17), 8.0)
