@@ -7,7 +7,7 @@ because a projected surface has two sides and may pass through itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -123,5 +123,22 @@ def gallery(path: Path, images: Sequence[tuple[str, Floats]]) -> None:
         ax.imshow(image)
         ax.set_title(title, fontsize=10)
         ax.axis("off")
+    figure.tight_layout()
+    save(figure, path)
+
+
+def sphere(path: Path, title: str, image: Floats, off: Mapping[int, tuple[Floats, Floats]]) -> None:
+    """A sphere's image, and for each N how far its vertices are off, over their heights."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.2))
+    left.imshow(image)
+    left.set_title(title, fontsize=10)
+    left.axis("off")
+    shades = plt.get_cmap("viridis_r")(np.linspace(0.15, 0.95, len(off)))
+    for colour, (N, (height, error)) in zip(shades, reversed(off.items()), strict=True):
+        right.plot(height, error, ".", ms=3, mew=0, color=colour, label=f"N = {N}", rasterized=True)
+    right.axhline(0, color=INK, lw=1)
+    right.set_title("(radius - sqrt(3)/2) / (edge of a cell)^2", fontsize=10)
+    right.set_xlabel("z")
+    right.legend(markerscale=3, fontsize=8)
     figure.tight_layout()
     save(figure, path)

@@ -194,7 +194,7 @@ def helix(folder: Path, small: bool) -> Iterator[Table | str]:
     uniform, dyadic = [], []
     for N in sizes:
         field = example.field(N - 1)
-        seconds, mesh = clocked(lambda field=field: extract(field))
+        seconds, mesh = clocked(lambda field=field: extract(field), 9)
         uniform.append((seconds, len(mesh.simplices), field.values.nbytes))
     larger = sizes if small else [*sizes, 512, 1024, 2048, 4096]
     for N in larger:
@@ -291,17 +291,22 @@ def helix_pictures(folder: Path, example: examples.Example) -> Iterator[str]:
     flat.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1))
     figure.tight_layout()
     pictures.save(figure, folder / "helix.png")
-    figure, axes = plt.subplots(2, 3, figsize=(10.5, 7.2))
-    for column, N in zip(axes.T, (32, 64, 128), strict=True):
-        tree = dyadic_tree(example.samples(N), example.paper_bound(N), test="corners")
+    figure, axes = plt.subplots(2, 4, figsize=(13.5, 7.2))
+    sizes = (32, 64, 128)
+    trees = [dyadic_tree(example.samples(N), example.paper_bound(N), test="corners") for N in sizes]
+    uniform = Tree([1], [np.indices((32,) * 3).reshape(3, -1).T], 32**3)
+    columns = zip(axes.T, (32, *sizes), [uniform, *trees], strict=True)
+    for column, N, tree in columns:
         for ax, kept in zip(column, ((2, 0), (0, 1)), strict=True):
             pictures.boxes_2d(ax, tree, (N + 1,) * 3, kept)
-        column[0].set_title(f"N = {N}, {len(tree.leaves)} leaves", fontsize=10)
+        name = "uniform grid, " if tree is uniform else ""
+        cells = "cells" if tree is uniform else "leaves"
+        column[0].set_title(f"{name}N = {N}, {len(tree.leaves):,} {cells}", fontsize=10)
     figure.tight_layout()
     pictures.save(figure, folder / "helix_boxes.png")
     yield "## Section 7.1, Figures 4 to 6\n"
     yield "![The curve and its projection](min_2003/helix.png)\n"
-    yield "![Dyadic grids, from the side and from the front](min_2003/helix_boxes.png)\n"
+    yield "![Uniform and dyadic grids, from the side and the front](min_2003/helix_boxes.png)\n"
 
 
 def leaf(folder: Path, small: bool) -> Iterator[Table | str]:
@@ -384,8 +389,12 @@ def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
     known.add("Euler characteristic", 1, euler)
     known.add("open edges away from the border", 0, holes)
     yield known
+    first, step = 6 * 24, 32 * 24
+    parts = [f"{(paper[N][1] - first) / step:,.10g}" for N in sizes]
     yield (
-        "All sizes of the surface in Table 7 are multiples of 72 bytes: a triangle is three points"
+        f"The sizes of phi in Table 7 are {first} + {step} k, with k = {'; '.join(parts)}: as in"
+        " Table 6, 24 bytes for each part of a box, of which there are 32 in R^5."
+        " All sizes of the surface are multiples of 72 bytes: a triangle is three points"
         " and three normals in space, in 4-byte numbers. Section 7.3 writes phi into R^2 and lists"
         " three equations: m = 3. Its psi has the angle about the axis where the angle from the"
         " axis is meant. The constant 3.5 is safe: in the maximum norm the true one is"
@@ -466,12 +475,13 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
     """Section 7.5, Figure 11, with the error the true solution allows to measure."""
     example = examples.two_spheres()
     sizes = [10, 20] if small else [10, 20, 40, 80]
-    rows, worst, area = [], [], []
+    rows, worst, area, off = [], [], [], {}
     for N in sizes:
         field = example.field(N - 1)
         mesh = extract(field)
         sphere = project(mesh, (0, 1, 2))
         radius = np.linalg.norm(sphere.vertices, axis=1)
+        off[N] = (sphere.vertices[:, 2], (radius - 0.75**0.5) / field.spacing[0] ** 2)
         worst.append(float(abs(radius - 0.75**0.5).max()))
         area.append(float(abs(truth.measures(mesh.vertices, mesh.simplices).sum() - 3 * pi)))
         height = float(abs(mesh.vertices[:, 3]).max())
@@ -479,7 +489,7 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
         rows.append([N, len(mesh.simplices), worst[-1], area[-1], height, euler])
         if N == sizes[-2]:
             image = shaded(field, (0, 1, 2), (0.9, -0.7, 0.55))
-            pictures.gallery(folder / "two_spheres.png", [(f"N = {N}", image)])
+    pictures.sphere(folder / "two_spheres.png", f"N = {sizes[-2]}", image, off)
     yield "## Section 7.5: two spheres of R^4 meet in a sphere of radius sqrt(3)/2\n"
     yield rows_of(
         ["N", "triangles", "largest error of the radius", "error of the area 3 pi",
@@ -489,7 +499,12 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
     table.add("radius", 2, -exponent([N - 1 for N in sizes], worst), tolerance=0.15)
     table.add("area", 2, -exponent([N - 1 for N in sizes], area), tolerance=0.15)
     yield table
-    yield "![The intersection, projected](min_2003/two_spheres.png)\n"
+    yield "![The intersection, projected, and its radius](min_2003/two_spheres.png)\n"
+    yield (
+        "On the right every vertex of every N: its distance from the exact sphere over the square"
+        " of the cell's edge. The clouds lie on each other, which is second order point by point;"
+        " none is outside the sphere, because phi is convex and its interpolant lies above it.\n"
+    )
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ def failing(function: Simplices, *names: str) -> set[str]:
     return {claim for claim, found in said.items() if Verdict.FAIL in found}
 
 
-@pytest.mark.parametrize("name", [*MANIFOLDS, "noise-5-3", "integers-4-2", "apart"])
+@pytest.mark.parametrize("name", [*MANIFOLDS, "noise-5-3", "integers-4-2", "positive-3-1", "apart"])
 def test_the_reference_passes_every_claim(name: str) -> None:
     """A right answer must pass, on known manifolds, noise, ties and where there is nothing."""
     said = verdicts(isoref_simplices, [CASES[name]])
@@ -71,6 +71,7 @@ MODULES = {"pymcubes": "mcubes", "libigl": "igl", "vtk-tetrahedra": "vtk"}
 LIBRARY_CASES = (
     "circle", "flat-2-1", "integers-2-1", "sphere", "flat-3-1", "noise-3-1", "integers-3-1",
     "circle-in-space", "noise-3-2", "integers-3-2", "noise-4-1", "clifford-torus",
+    "positive-2-1", "positive-3-1", "apart",
 )  # fmt: skip
 
 

@@ -26,6 +26,9 @@ def cases(seed: int = 0) -> list[Case]:
             size = int(np.prod(ROUGH[n]))
             listed.append(Case(f"simplices/{kind}-{n}-{m}", build, 0.0, size, tagged))
     empty = frozenset({"simplices", "empty"})
+    for n in (2, 3):
+        build = partial(_noise, n, 1, "positive", seed)
+        listed.append(Case(f"simplices/positive-{n}-1", build, 0.0, int(np.prod(ROUGH[n])), empty))
     return [*listed, Case("simplices/apart", _apart, 0.0, 5**3, empty)]
 
 
@@ -52,11 +55,11 @@ def _sampled(known: Manifold, N: int) -> Field:
 
 
 def _noise(n: int, m: int, kind: str, seed: int) -> Field:
-    """Random samples: generic ones, or whole numbers from -1 to 1."""
+    """Random samples: generic ones, positive ones, or whole numbers from -1 to 1."""
     rng = np.random.default_rng([seed, n, m])
     shape = (m, *ROUGH[n])
-    values = rng.normal(size=shape) if kind == "noise" else rng.integers(-1, 2, shape) * 1.0
-    return Field.of(values, dimension=n)
+    values = rng.integers(-1, 2, shape) * 1.0 if kind == "integers" else rng.normal(size=shape)
+    return Field.of(np.exp(values) if kind == "positive" else values, dimension=n)
 
 
 def _apart() -> Field:
