@@ -7,7 +7,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from isograde.command import app
-from isograde.proof import corner_place, node_place, prove, tears_by_face
+from isograde.proof import Proof, corner_place, node_place, prove, tears_by_face
 from isograde.truths.halfedges import Surface
 from isoref.asymptotic_decider import RULE as ASYMPTOTIC
 from isoref.cube import ambiguous_faces
@@ -187,3 +187,15 @@ def test_the_command_proves_or_says_what_tears() -> None:
     assert "660 pairs of cells tear" in torn_rule.output
     assert torn_rule.output.count("below draws") == 3
     assert run(app, ["prove", "no-such-rule"]).exit_code == 2
+
+
+def test_a_proof_in_words_says_what_holds_or_the_first_faults_and_how_many_more() -> None:
+    """Never both."""
+    whole = Proof("rule", 256, 3, (), (), 0)
+    assert whole.holds
+    assert whole.text().endswith("Closed, oriented and manifold on every field.")
+    faulty = Proof("rule", 256, 3, (), tuple(f"fault {n}" for n in range(5)), 7)
+    assert "compared on 7 pairs" in faulty.text()
+    assert "Closed" not in faulty.text()
+    assert faulty.text(shown=3).splitlines()[-3:] == ["  fault 1", "  fault 2", "  and 2 more"]
+    assert faulty.text(shown=5).endswith("  fault 4")
