@@ -123,7 +123,8 @@ are two of the three types of 12-cycle and the pair of 6-cycles that would touch
 the cell. The paper's 14 types are therefore exactly those of its own mixed mode; a decider that
 looks at more than the average meets {len(every)}. Starred cells below need such a decider.
 
-The types of cycle, Figs. 7 and 12:
+The types of cycle on their boundary face chains, Figs. 7 and 12. All faces of a chain have one
+corner in common, the middle of the cell; grey discs are the centres of active voxels:
 
 ![types of cycle](schlei_2010/cycles.svg)
 

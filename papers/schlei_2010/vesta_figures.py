@@ -6,23 +6,28 @@ Cells are drawn by lines, in an oblique view; large surfaces as shaded points, n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib
 import numpy as np
-from isoref.cube import CORNERS, EDGES, REPRESENTATIVES, ambiguous_faces, inside
+from isoref.cube import CORNERS, EDGES, REPRESENTATIVES, ambiguous_faces, axis_of, inside
 from isoref.field import Floats
-from isoref.marching_vesta import CENTRES, cycles, tile
+from isoref.marching_vesta import CENTRES, JUNCTURES, cell_paths, cycles, tile
 from isoref.mesh import Mesh
 from isoref.sweep import cell_crossings
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.collections import PolyCollection
+from matplotlib.patches import Polygon
 from vesta_census import attainable, kind
 from vesta_counts import all_signatures
 
 COLOURS = ("#4878a8", "#d1813b", "#5b9a5b", "#a85c72", "#7b6ba8", "#8c8c3a")
+
+#: Boundary faces by the axis they are perpendicular to.
+TONES = ("#d3d8e0", "#b7bfcb", "#e8ebef")
 
 AZIMUTH, ELEVATION = np.radians([24, 20])
 #: The picture's right and up, and the direction to the eye: from the front, right and above.
@@ -58,7 +63,7 @@ def draw_sites(ax, signs: int) -> None:
     """A dot at each active corner."""
     active = [CORNERS[c] for c in range(8) if inside(signs, c)]
     if active:
-        ax.plot(*flat(np.array(active)).T, "o", color="0.15", ms=3.2, zorder=4)
+        ax.plot(*flat(np.array(active)).T, "o", color="0.15", ms=3.2, zorder=4, clip_on=False)
 
 
 def draw_triangles(ax, triangles: Floats, colours: Sequence, edge: str = "white") -> None:
@@ -99,6 +104,51 @@ def draw_cycles(ax, signs: int, separated: int, resolution: str | None) -> None:
         ax.plot(x, y, "-", color=colour, lw=1.8, zorder=2, solid_joinstyle="round")
         ax.plot(x, y, "o", color=colour, ms=2.4, zorder=2)
     finish(ax)
+
+
+def draw_chain(ax, signs: int, cycle: tuple[int, ...]) -> None:
+    """A cycle with its boundary face chain: unit squares that all have the cell's middle in common.
+
+    Grey discs are the centres of active voxels, thin lines the vectors from face to face.
+    """
+    paths = cell_paths(signs)
+    for e in cycle:
+        for quarter in face_quarters(e):
+            ax.add_patch(Polygon(flat(quarter), fc=TONES[axis_of(e)], alpha=0.6, lw=0,
+                                 zorder=nearness(quarter)))  # fmt: skip
+            draw_line(ax, quarter[1:], color="0.5", lw=0.6)
+        draw_line(ax, np.array([JUNCTURES[paths[e][0]], CENTRES[e]]) / 2, color="0.3", lw=0.6)
+        draw_line(ax, np.array([CENTRES[e], JUNCTURES[paths[e][2]]]) / 2, color="0.3", lw=0.6)
+    for site in (np.array(CORNERS[c]) for c in range(8) if inside(signs, c)):
+        ax.plot(*flat(site), "o", color="0.6", ms=5, mec="0.4", mew=0.5, zorder=nearness([site]))
+    for pair in pairwise([*cycle, cycle[0]]):
+        draw_line(ax, CENTRES[list(pair)] / 2, color=COLOURS[0], lw=2, solid_capstyle="round")
+    for e in cycle:
+        place = CENTRES[e] / 2
+        ax.plot(*flat(place), "o", color="k", ms=2.6, zorder=nearness([place]) + 0.02)
+    finish(ax)
+    around = flat(2 * np.array(CORNERS) - 0.5)
+    ax.set(
+        xlim=(around[:, 0].min(), around[:, 0].max()), ylim=(around[:, 1].min(), around[:, 1].max())
+    )
+
+
+def nearness(points) -> float:
+    """A layer for what is drawn at these points: the nearer to the eye, the higher."""
+    return 5 + float(depth(points).mean())
+
+
+def draw_line(ax, points: Floats, **style) -> None:
+    """A line, a little before what lies as deep."""
+    ax.plot(*flat(points).T, "-", zorder=nearness(points) + 0.01, **style)
+
+
+def face_quarters(e: int) -> Floats:
+    """(4, 4, 3) the boundary face round centre e in four squares: centre, side, corner, side."""
+    one, other = np.delete(np.eye(3), axis_of(e), axis=0) / 2
+    sides = [one, other, -one, -other, one]
+    return np.array([[CENTRES[e] / 2 + step for step in (0 * a, a, a + b, b)]
+                     for a, b in pairwise(sides)])  # fmt: skip
 
 
 def cell_triangles(signs: int, separated: int, resolution: str) -> tuple[Floats, list[int]]:
@@ -163,16 +213,20 @@ def shown_area(cycle: tuple[int, ...]) -> float:
 
 
 def draw_types(path: Path, resolution: str | None, shortest: int = 3, longest: int = 12) -> Path:
-    """The types of cycle, as outlines (Figs. 7, 12) or cut (Figs. 8, 9, 14).
+    """The types of cycle, on their boundary faces (Figs. 7, 12) or cut (Figs. 8, 9, 14).
 
     A star marks what the averages of four voxels never decide.
     """
     shown = [e for e in examples() if shortest <= len(e[0]) <= longest]
-    figure, axes = panels(len(shown), min(len(shown), 8))
-    for ax, (cycle, signs, separated) in zip(axes, shown, strict=True):
-        draw_cycles(ax, signs, separated, resolution)
+    columns = len(shown) if len(shown) < 10 else 8
+    figure, axes = panels(len(shown), columns, 1.3 if resolution else 1.6)
+    for ax, (wanted, signs, separated) in zip(axes, shown, strict=True):
+        if resolution:
+            draw_cycles(ax, signs, separated, resolution)
+        else:
+            draw_chain(ax, signs, next(c for c in cycles(signs, separated) if kind(c) == wanted))
         never = "" if attainable(signs, separated) else " *"
-        ax.set_title(f"{len(cycle)}-cycle{never}", pad=2)
+        ax.set_title(f"{len(wanted)}-cycle{never}", pad=2)
     return save(figure, path)
 
 
