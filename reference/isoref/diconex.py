@@ -147,12 +147,7 @@ def diconex(
     ...  for m in ("disconnect", "connect")]
     [2, 1]
     """
-    field = as_field(values, 2)
-    alpha = check_isovalue(isovalue)
-    check_choice("mode", mode, get_args(Mode))
-    check_choice("border", border, get_args(Border))
-    # Frame the image with one layer of inactive pixels, so that every pixel has neighbours.
-    active = np.pad(inside_samples(field, alpha), 1)
+    field, alpha, active = framed(values, isovalue, 2, mode, border)
     vectors = initial_contour_vectors(active)
     successor = successors(vectors, active, poa_joined(field.values, alpha, mode))
     outer = _reaches_outside(vectors, field.shape)
@@ -162,6 +157,20 @@ def diconex(
         index[inner] = _displaced(field.values, alpha, vectors[inner])
     contours = Contours(field.position(index), successor)
     return contours if border == "closed" else _without(contours, outer)
+
+
+def framed(
+    values: ArrayLike | Field, isovalue: float, dimension: int, mode: str, border: str
+) -> tuple[Field, float, Booleans]:
+    """The field, the isovalue, and which samples are active, in a frame of inactive ones.
+
+    The frame, one sample wide, gives every pixel or voxel its neighbours. Raises as `diconex`.
+    """
+    field = as_field(values, dimension)
+    alpha = check_isovalue(isovalue)
+    check_choice("mode", mode, get_args(Mode))
+    check_choice("border", border, get_args(Border))
+    return field, alpha, np.pad(inside_samples(field, alpha), 1)
 
 
 def initial_contour_vectors(active: Booleans) -> Integers:
@@ -320,7 +329,10 @@ def _successor(
     if q not in active:
         return left
     # Decide a point of ambiguity.
-    if mode == "mixed":
-        a, b, c, e = (grey[pixel] - isovalue for pixel in (v, q, w, p))
-        return right if (a + b) + (c + e) >= 0 else left
-    return right if mode == "connect" else left
+    joined = connects(mode, *(grey[pixel] - isovalue for pixel in (v, q, w, p)))
+    return right if joined else left
+
+
+def connects(mode: Mode, v: float, q: float, w: float, p: float) -> bool:
+    """Whether a point of ambiguity connects, the values round it as in `average_is_active`."""
+    return (v + q) + (w + p) >= 0 if mode == "mixed" else mode == "connect"

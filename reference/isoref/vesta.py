@@ -68,10 +68,11 @@ from isoref.diconex import (
     average_is_active,
     between,
     check_choice,
+    connects,
+    framed,
 )
-from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue
+from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
-from isoref.sweep import inside_samples
 
 Resolution = Literal["L", "H"]
 Voxel = tuple[int, int, int]
@@ -211,12 +212,7 @@ def extract(
     >>> extract(two, 0.5, mode="connect", border="closed").lengths
     {3: 12, 6: 2}
     """
-    field = as_field(values, 3)
-    alpha = check_isovalue(isovalue)
-    check_choice("mode", mode, get_args(Mode))
-    check_choice("border", border, get_args(Border))
-    # Frame the volume with one layer of inactive voxels, so that every voxel has neighbours.
-    active = np.pad(inside_samples(field, alpha), 1)
+    field, alpha, active = framed(values, isovalue, 3, mode, border)
     faces = Faces.of(active)
     successor = successors(faces, active, _decider(mode, field.values, alpha))
     cycles = {length: paths // 4 for length, paths in cycles_of(successor).items()}
@@ -483,7 +479,5 @@ def _over(
     if q not in active:
         return convex
     # Decide a point of ambiguity.
-    if mode == "mixed":
-        a, b, c, e = (grey[voxel] - isovalue for voxel in (v, q, w, p))
-        return concave if (a + b) + (c + e) >= 0 else convex
-    return concave if mode == "connect" else convex
+    joined = connects(mode, *(grey[voxel] - isovalue for voxel in (v, q, w, p)))
+    return concave if joined else convex

@@ -1,16 +1,21 @@
 """Ready-made doors say what they do, and do it."""
 
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 import pytest
 from isograde.claims import CLAIMS
+from isograde.claims.cycles import MODES
 from isograde.doors import open_door
 from isograde.doors.measure import ball, measure
 from isograde.doors.python import PythonDoor
 from isograde.doors.ready_made import READY_MADE, _interpolant, _lookup
-from isograde.model import DoorError, Limits, Outcome, Request, Status
+from isograde.fields import all_cases
+from isograde.model import Case, DoorError, Limits, Outcome, Request, Status, Verdict
+from isograde.runner import Task, Worker
 from isoref.field import Field
 from scipy.interpolate import RegularGridInterpolator
 
@@ -59,6 +64,27 @@ def test_whatever_is_not_promised_is_named_by_a_claim() -> None:
     """A misspelt word would excuse nothing."""
     named = {word for claim in CLAIMS.values() for word in claim.unless}
     assert {word for ready in READY_MADE.values() for word in ready.without} <= named
+
+
+def judged_as(door: PythonDoor, mode: str, cases: dict[str, Case]) -> Counter[Verdict]:
+    """What `cases.cycles` says of the door's answers to these cases, were this mode declared."""
+    worker = Worker(door, replace(door.declaration, connectivity=mode), cases, CLAIMS)
+    tasks = (Task(name, ("cases.cycles",)) for name in cases)
+    return Counter(worker.judge(task).findings["cases.cycles"].verdict for task in tasks)
+
+
+@pytest.mark.slow
+def test_a_library_s_connectivity_is_that_of_all_256_cells(door: PythonDoor) -> None:
+    """In a border outside; the two other modes fail in some of their 23 classes already."""
+    declared = door.declaration.connectivity
+    if not declared or door.declaration.name.startswith("isoref"):
+        pytest.skip("declares none, or is judged in test_cycles_claim.py")
+    cells = {n: case for n, case in all_cases().items() if n.startswith("cells/outside")}
+    classes = {name: case for name, case in cells.items() if "posed" in case.tags}
+    # The cell without a corner inside has no surface.
+    assert judged_as(door, declared, cells) == {Verdict.PASS: 255, Verdict.SKIP: 1}
+    for mode in {*MODES} - {declared}:
+        assert judged_as(door, mode, classes)[Verdict.FAIL] > 0
 
 
 def test_the_version_of_the_library_is_declared(door: PythonDoor) -> None:

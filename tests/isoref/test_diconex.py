@@ -179,6 +179,32 @@ def test_points_do_not_depend_on_the_scale_of_the_values(scale: float) -> None:
     assert np.allclose(diconex(image * scale, 0.5 * scale).points, diconex(image, 0.5).points)
 
 
+def test_an_image_of_one_pixel() -> None:
+    """Alone it has no neighbours: nothing in an open border, four vectors round it in a closed."""
+    assert diconex([[1]], 0.5).polygons() == []
+    (closed,) = diconex([[1]], 0.5, border="closed").polygons()
+    assert closed.shape == (5, 2)
+    assert signed_area(closed) == pytest.approx(2 * 0.5)
+    assert diconex([[0]], 0.5, border="closed").polygons() == []
+
+
+def test_a_row_of_pixels_has_points_and_no_vectors() -> None:
+    """One pixel wide: every support point is a contour by itself, with an open border."""
+    contours = diconex([[1, 0, 3]], 0.5)
+    assert [p.tolist() for p in contours.polygons()] == [[[0, 0.5]], [[0, pytest.approx(7 / 6)]]]
+    assert len(contours.mesh.simplices) == 0
+
+
+def test_an_image_of_active_pixels_is_enclosed_once() -> None:
+    """Nothing in an open border; one contour half a pixel out, without its corners, in a closed."""
+    full = np.full((3, 4), 7)
+    for mode in MODES:
+        assert diconex(full, 7, mode=mode).polygons() == []
+        (closed,) = diconex(full, 7, mode=mode, border="closed").polygons()
+        assert len(closed) == 14 + 1
+        assert signed_area(closed) == pytest.approx(2 * (12 - 4 / 8))
+
+
 def test_bad_input_is_named() -> None:
     """An error says what was wrong."""
     with pytest.raises(FieldError, match="sample \\(0, 1\\) is nan"):
@@ -187,5 +213,11 @@ def test_bad_input_is_named() -> None:
         diconex(Field.of(np.zeros((2, 2, 2))), 0.5)
     with pytest.raises(ValueError, match="mode 'both' is not one of"):
         diconex(SHAPE, 1, mode="both")  # type: ignore[arg-type]
-    with pytest.raises(FieldError, match="isovalue"):
+    with pytest.raises(FieldError, match="isovalue nan is not finite"):
         diconex(SHAPE, float("nan"))
+    with pytest.raises(FieldError, match="shape \\(0, 3\\) has no samples"):
+        diconex(np.zeros((0, 3)), 0.5)
+    with pytest.raises(FieldError, match="rank 1"):
+        diconex(np.zeros(3), 0.5)
+    with pytest.raises(ValueError, match="border 'ajar' is not one of open, closed"):
+        diconex(SHAPE, 1, border="ajar")  # type: ignore[arg-type]

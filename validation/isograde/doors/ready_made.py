@@ -278,6 +278,11 @@ _OWN_GRID = frozenset({"on-edges", "linear-crossing", "separates", "border"})
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
 _VTK = Conventions(nan="answers")
 
+# How a library resolves every ambiguous face, declared where a test finds the cycles of that mode
+# in all 256 cells. The rest has none: scikit-image's lewiner and MeshLab decide by the asymptotes,
+# trimesh calls lewiner, and manifold3d and surface nets have no vertices on our lattice edges.
+_DISCONNECT, _CONNECT = "disconnect", "connect"
+
 # Methods of the reference that promise more than to be consistent.
 _PROMISES = {"asymptotic-decider": 3, "trilinear-cubes": 4}
 
@@ -294,15 +299,20 @@ READY_MADE: dict[str, ReadyMade] = {
         partial(_skimage, "lorensen"),
         _SKIMAGE,
         notes="computes in float32",
+        connectivity=_DISCONNECT,
     ),
     "pymcubes": ReadyMade(
         "PyMCubes",
         _pymcubes,
         Conventions(tie="outside", units="index", nan="answers"),
         notes="takes the isovalue as float32",
+        connectivity=_CONNECT,
     ),
     "libigl": ReadyMade(
-        "libigl", _libigl, Conventions(tie="outside", normals="to_high", nan="answers")
+        "libigl",
+        _libigl,
+        Conventions(tie="outside", normals="to_high", nan="answers"),
+        connectivity=_DISCONNECT,
     ),
     "trimesh": ReadyMade(
         "trimesh",
@@ -312,11 +322,22 @@ READY_MADE: dict[str, ReadyMade] = {
         notes="is given values >= isovalue; closes the surface half a sample beyond the border",
     ),
     "vtk:marching-cubes": ReadyMade(
-        "vtk", partial(_vtk, "vtkFiltersCore", "vtkMarchingCubes"), _VTK
+        "vtk",
+        partial(_vtk, "vtkFiltersCore", "vtkMarchingCubes"),
+        _VTK,
+        connectivity=_DISCONNECT,
     ),
-    "vtk:flying-edges": ReadyMade("vtk", partial(_vtk, "vtkFiltersCore", "vtkFlyingEdges3D"), _VTK),
+    "vtk:flying-edges": ReadyMade(
+        "vtk",
+        partial(_vtk, "vtkFiltersCore", "vtkFlyingEdges3D"),
+        _VTK,
+        connectivity=_DISCONNECT,
+    ),
     "vtk:contour-filter": ReadyMade(
-        "vtk", partial(_vtk, "vtkFiltersCore", "vtkContourFilter"), _VTK
+        "vtk",
+        partial(_vtk, "vtkFiltersCore", "vtkContourFilter"),
+        _VTK,
+        connectivity=_DISCONNECT,
     ),
     "vtk:discrete-marching-cubes": ReadyMade(
         "vtk",
@@ -324,6 +345,7 @@ READY_MADE: dict[str, ReadyMade] = {
         _VTK,
         without=_LABELS,
         notes="is given values >= isovalue as the label 1",
+        connectivity=_DISCONNECT,
     ),
     "vtk:surface-nets": ReadyMade(
         "vtk",
