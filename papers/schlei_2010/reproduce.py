@@ -555,7 +555,7 @@ def fireball_report(folder: Path) -> list[Table | str]:
     right, eye = np.array([0, -0.5, 1.0]), np.array([0.45, 1, 0.5])
     halved = Mesh(triangles.vertices * [0.5, 1, 1], triangles.simplices)
     shown = figures.render(halved, right, np.cross(eye, right), 360)
-    figures.draw_rendering(folder / "freeze_out.png", shown)
+    figures.draw_rendering(folder / "freeze_out.png", figures.stretched(shown))
     return [
         table,
         """The field is `papers/schlei_2010/fireball.py`, a formula of our own with the topology

@@ -20,7 +20,6 @@ from isoref.sweep import cell_crossings
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.collections import PolyCollection
-from matplotlib.patches import Polygon
 from vesta_census import attainable, kind
 from vesta_counts import all_signatures
 
@@ -114,33 +113,27 @@ def draw_chain(ax, signs: int, cycle: tuple[int, ...]) -> None:
     paths = cell_paths(signs)
     for e in cycle:
         for quarter in face_quarters(e):
-            ax.add_patch(Polygon(flat(quarter), fc=TONES[axis_of(e)], alpha=0.6, lw=0,
-                                 zorder=nearness(quarter)))  # fmt: skip
-            draw_line(ax, quarter[1:], color="0.5", lw=0.6)
-        draw_line(ax, np.array([JUNCTURES[paths[e][0]], CENTRES[e]]) / 2, color="0.3", lw=0.6)
-        draw_line(ax, np.array([CENTRES[e], JUNCTURES[paths[e][2]]]) / 2, color="0.3", lw=0.6)
+            ax.fill(*flat(quarter).T, fc=TONES[axis_of(e)], alpha=0.6, lw=0, **at(quarter))
+            ax.plot(*flat(quarter[1:]).T, "-", color="0.5", lw=0.6, **at(quarter[1:], 0.01))
+        way = np.array([JUNCTURES[paths[e][0]], CENTRES[e], JUNCTURES[paths[e][2]]]) / 2
+        ax.plot(*flat(way).T, "-", color="0.3", lw=0.6, **at(way, 0.01))
     for site in (np.array(CORNERS[c]) for c in range(8) if inside(signs, c)):
-        ax.plot(*flat(site), "o", color="0.6", ms=5, mec="0.4", mew=0.5, zorder=nearness([site]))
+        ax.plot(*flat(site), "o", color="0.6", ms=5, mec="0.4", mew=0.5, **at(site[None]))
     for pair in pairwise([*cycle, cycle[0]]):
-        draw_line(ax, CENTRES[list(pair)] / 2, color=COLOURS[0], lw=2, solid_capstyle="round")
-    for e in cycle:
-        place = CENTRES[e] / 2
-        ax.plot(*flat(place), "o", color="k", ms=2.6, zorder=nearness([place]) + 0.02)
+        line = CENTRES[list(pair)] / 2
+        ax.plot(*flat(line).T, "-", color=COLOURS[0], lw=2, **at(line, 0.01))
+    for centre in CENTRES[list(cycle)] / 2:
+        ax.plot(*flat(centre), "o", color="k", ms=2.6, **at(centre[None], 0.02))
     finish(ax)
-    around = flat(2 * np.array(CORNERS) - 0.5)
-    ax.set(
-        xlim=(around[:, 0].min(), around[:, 0].max()), ylim=(around[:, 1].min(), around[:, 1].max())
+    (left, bottom), (right, top) = (
+        end(flat(2 * np.array(CORNERS) - 0.5), axis=0) for end in (np.min, np.max)
     )
+    ax.set(xlim=(left, right), ylim=(bottom, top))
 
 
-def nearness(points) -> float:
-    """A layer for what is drawn at these points: the nearer to the eye, the higher."""
-    return 5 + float(depth(points).mean())
-
-
-def draw_line(ax, points: Floats, **style) -> None:
-    """A line, a little before what lies as deep."""
-    ax.plot(*flat(points).T, "-", zorder=nearness(points) + 0.01, **style)
+def at(points: Floats, before: float = 0.0) -> dict[str, float | bool]:
+    """How to draw what lies at these points: the nearer to the eye, the later; never cut off."""
+    return {"zorder": 5 + before + float(depth(points).mean()), "clip_on": False}
 
 
 def face_quarters(e: int) -> Floats:
@@ -334,7 +327,13 @@ def barycentric(parts: int) -> list[Floats]:
     return [np.array([i, j, parts - i - j]) / parts for i, j in steps]
 
 
-def draw_rendering(path: Path, image: Floats, title: str = "") -> Path:
+def stretched(image: Floats) -> Floats:
+    """The grey levels from 0 to 1, but for a hundredth at either end: for gently bent surfaces."""
+    low, high = np.nanpercentile(image, (1, 99))
+    return np.clip((image - low) / (high - low), 0, 1)
+
+
+def draw_rendering(path: Path, image: Floats) -> Path:
     """The rendering as a small picture."""
     height, width = image.shape
     figure, ax = plt.subplots(figsize=(width / 110, height / 110))
@@ -342,6 +341,4 @@ def draw_rendering(path: Path, image: Floats, title: str = "") -> Path:
     shown[np.isnan(image)] = 1
     ax.imshow(shown, interpolation="nearest")
     ax.axis("off")
-    if title:
-        ax.set_title(title)
     return save(figure, path)
