@@ -2,7 +2,9 @@
 
 A row of similar bodies in one field gives the errors at six resolutions. The observed order of
 each must not be below the formal one, which linear interpolation along the edges of the lattice
-has: 2 for position, area and volume, 1 for normals and for total mean curvature.
+has: 2 for position, area, volume and the distance of the triangles from the trilinear surface
+itself, 1 for normals and for total mean curvature. Thin triangles spoil normals, so what shapes
+the triangles have is measured beside them; no order is asked of it.
 
 An order is below the formal one when its whole confidence interval is, by more than `SLACK`.
 """
@@ -20,8 +22,11 @@ from isograde.fields.accuracy import SCALES, Body, row
 from isograde.model import Claim, Finding, Trial
 from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
 from isograde.truths.halfedges import Surface
+from isograde.truths.trilinear_distance import distance
 
 SLACK = 0.15
+# The middle of a triangle and of each side.
+PROBES = np.array([[2, 2, 2], [3, 3, 0], [0, 3, 3], [3, 0, 3]]) / 6
 ETIENE = "Etiene and others 2009, section 4: observed order against the formal one"
 
 
@@ -31,6 +36,7 @@ class Piece:
 
     body: Body
     surface: Surface
+    trial: Trial
 
     @property
     def position(self) -> float:
@@ -43,6 +49,17 @@ class Piece:
         """Root mean square angle of the faces' normals, in radians."""
         middles = self.surface.points[self.surface.faces].mean(axis=1)
         return normal_error(self.surface, self.body.normals(middles))
+
+    @property
+    def distance(self) -> float:
+        """Largest distance of the triangles from the trilinear surface, over the body's scale.
+
+        Taken at the middles of triangles and of their sides; infinite where no surface is near.
+        """
+        corners = self.surface.points[self.surface.faces]
+        probes = np.einsum("pk,fkd->pfd", PROBES, corners).reshape(-1, 3)
+        away = distance(self.trial.field.values, self.trial.case.isovalue, probes)
+        return float(np.nan_to_num(away, nan=np.inf).max() / self.body.scale)
 
     @property
     def area(self) -> float:
@@ -70,7 +87,7 @@ def pieces(trial: Trial) -> list[Piece]:
         middles = surface.points[surface.faces].mean(axis=1)
         nearest = np.argmin([np.abs(body.distance(middles)) for body in bodies], axis=0)
         return [
-            Piece(body, Surface.of(surface.points, surface.faces[nearest == i]))
+            Piece(body, Surface.of(surface.points, surface.faces[nearest == i]), trial)
             for i, body in enumerate(bodies)
         ]
 
@@ -119,6 +136,12 @@ def _claim(name: str, what: str, formal: float, error: Callable[[Piece], float])
 CLAIMS = (
     _claim("position", "The largest distance of a vertex", 2, lambda piece: piece.position),
     _claim("normal", "The error of the faces' normals", 1, lambda piece: piece.normal),
+    _claim(
+        "distance",
+        "The largest distance of the triangles from the trilinear surface",
+        2,
+        lambda piece: piece.distance,
+    ),
     _claim("area", "The error of the area", 2, lambda piece: piece.area),
     _claim("volume", "The error of the volume", 2, lambda piece: piece.volume),
     _claim("curvature", "The error of the total mean curvature", 1, lambda piece: piece.bend),

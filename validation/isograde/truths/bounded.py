@@ -2,7 +2,8 @@
 
 The same formula is evaluated twice. In floating point every operation carries a bound on its
 error along, and a sign is known where the value is larger than its error. Where it is not, the
-formula is evaluated again on Python's integers (dtype object), whose error is zero.
+formula is evaluated again on integers, whose error is zero: Python's (dtype object), or those of
+the machine where they are small enough.
 
 References
 ----------
@@ -26,7 +27,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Bounded:
-    """Numbers known up to `error`; integers (dtype object) have error zero.
+    """Numbers known up to `error`; integers have error zero.
 
     >>> x = Bounded(np.array([1.0]), np.array([0.0])) - Bounded(np.array([1.0]), np.array([0.0]))
     >>> x.sign()[0], x.unsure()[0]
@@ -57,7 +58,7 @@ class Bounded:
 
     def _rounding(self, result: Numbers) -> Numbers:
         """A bound on the rounding of one operation, the bound's own rounding included."""
-        if result.dtype == object:
+        if result.dtype.kind != "f":
             return result * 0
         bound: Numbers = 4 * np.finfo(float).eps * abs(result) + 1e-300
         return bound
@@ -69,7 +70,7 @@ class Bounded:
 
     def unsure(self) -> NDArray[np.bool_]:
         """Whether the error leaves the sign open."""
-        return np.asarray(abs(self.value) <= self.error, bool) & (self.value.dtype != object)
+        return np.asarray(abs(self.value) <= self.error, bool) & (self.value.dtype.kind == "f")
 
 
 def integers(rows: ArrayLike, zero: Any = 0) -> Numbers:

@@ -40,16 +40,19 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
-from isograde.truths.bounded import Bounded, integers
+from isograde.truths.bounded import Bounded, Numbers, integers
 
 PORTION = 200_000
 """Pairs of triangles that are compared at a time."""
+
+FINE = 64
+"""Differences of coordinates are below 2 FINE^2 = 2^13, and every number below 3 * 2^54."""
 
 
 def self_intersections(points: Floats, faces: Integers) -> Integers:
@@ -72,21 +75,31 @@ def _meet(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
     meet = np.zeros(len(pairs), bool)
     for number, apart in enumerate((_apart, _apart_at_vertex, _apart_at_edge)):
         rows = np.flatnonzero(shared == number)
-        open_rows = rows[~apart(*_floats(points[corners[rows]]))]
-        meet[open_rows] = ~apart(*_integers(points[corners[open_rows]]))
+        rows = rows[~_ask(apart, points[corners[rows]])]
+        fine = _on_fine_grid(points[corners[rows]])
+        for some, numbers in ((rows[fine], _small), (rows[~fine], integers)):
+            meet[some] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
     return meet
 
 
-def _floats(corners: Floats) -> tuple[Bounded, Bounded]:
-    """The corners (n, 2, 3, 3) of the pairs as numbers that are exact in floating point."""
-    none = np.zeros_like(corners[:, 0])
-    return Bounded(corners[:, 0], none), Bounded(corners[:, 1], none)
+def _ask(apart: Callable[[Bounded, Bounded], Booleans], numbers: Numbers) -> Booleans:
+    """(n,) what `apart` says of pairs of triangles, 18 exact numbers each."""
+    if not len(numbers):
+        return np.empty(0, bool)
+    corners = numbers.reshape(-1, 2, 3, 3)
+    p, q = corners[:, 0], corners[:, 1]
+    return apart(Bounded(p, p * 0), Bounded(q, q * 0))
 
 
-def _integers(corners: Floats) -> tuple[Bounded, Bounded]:
-    """The same as integers, each pair enlarged by a factor of its own."""
-    whole = integers(corners.reshape(-1, 18)).reshape(-1, 2, 3, 3)
-    return Bounded(whole[:, 0], whole[:, 0] * 0), Bounded(whole[:, 1], whole[:, 1] * 0)
+def _on_fine_grid(corners: Floats) -> Booleans:
+    """(n,) all coordinates are multiples of 1 / FINE below FINE: no product of four overflows."""
+    scaled = corners.reshape(-1, 18) * FINE
+    return np.asarray(((scaled == np.rint(scaled)) & (np.abs(scaled) < FINE**2)).all(axis=1))
+
+
+def _small(rows: Floats) -> Integers:
+    """Such coordinates as integers of the machine."""
+    return np.asarray(rows * FINE, np.int64)
 
 
 # --- which pairs ----------------------------------------------------------------------------------
