@@ -1,84 +1,32 @@
-"""How far an implementation agrees with the trilinear truth, case by case.
-
-Cells are posed by the thousand: independent cells stand in one field, parted by layers of high
-samples and with one all round. What the implementation does in the cells between them is not
-looked at: with high samples on one whole side they have no tunnel, and nothing need be drawn on
-a face they share.
-"""
+"""How far an implementation agrees with the trilinear truth, case by case."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from itertools import product
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
+import whole
 from isograde.doors import open_door, ready_made_names
-from isograde.fields import trilinear_cells
-from isograde.fields.trilinear_cells import TUNNELS
-from isograde.model import Door, DoorError, Limits, Request
-from isograde.truths.halfedges import Surface
+from isograde.model import Door, DoorError, Limits
+from isograde.truths.self_intersections import self_intersections
 from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import NONE, active_cells, cells
+from isograde.truths.trilinear import NONE, cells
 from isograde.truths.trilinear_cases import case_names, every_topology
-from isoref.field import Field
+from isograde.truths.trilinear_grid import active_cells
 from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-
-REFERENCE = "isoref:trilinear-cubes"
-# MeshLab takes small fields only.
-SIDES = {"pymeshlab": 2}
-DRAWN = 4000
-
-
-def stacked(values: Floats, side: int) -> Floats:
-    """The field in which these side^3 cells stand at every third place."""
-    field = np.ones((3 * side,) * 3)
-    spaced = field.reshape(side, 3, side, 3, side, 3)
-    shape = (side, side, side, 2, 2, 2)
-    spaced[:, :2, :, :2, :, :2] = values.reshape(shape).transpose(0, 3, 1, 4, 2, 5)
-    return np.pad(field[:-1, :-1, :-1], 1, constant_values=1.0)
-
-
-def places(side: int) -> NDArray[np.int64]:
-    """(side^3, 3) where the cells of a stacked field stand."""
-    return 1 + 3 * np.stack(np.unravel_index(np.arange(side**3), (side,) * 3), axis=1)
-
-
-def surface(door: Door, values: Floats) -> Surface:
-    """What the implementation answers, equal vertices made one. Raises `DoorError` for no mesh."""
-    outcome = door.run(Request("papers/trilinear", "plain", Field.of(values), 0.0))
-    if outcome.mesh is None:
-        raise DoorError(f"no mesh: {outcome.status}, {outcome.detail}")
-    return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
-
-
-def faults(door: Door, values: Floats, side: int = 10) -> list[Fault]:
-    """The fault of each of n cells (n, 2, 2, 2), in order."""
-    found: list[Fault] = []
-    for start in range(0, len(values), side**3):
-        block = values[start : start + side**3]
-        padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
-        field = stacked(padded, side)
-        answer = surface(door, field)
-        judged = judge(answer.points, answer.faces, places(side), cells(padded), field.shape)
-        found += judged[: len(block)]
-    return found
-
-
-def random_cells(n: int, seed: int) -> Floats:
-    """Cells of random signs and sizes, no sample nearer to zero than 1/16."""
-    rng = np.random.default_rng(seed)
-    sizes = rng.integers(64, 1024, (n, 2, 2, 2)) / 1024
-    return np.asarray(sizes * rng.choice([-1, 1], (n, 2, 2, 2)))
-
-
-def targeted() -> tuple[list[str], Floats]:
-    """The ids and values of the frozen cells, without the pairs."""
-    listed = [case for case in trilinear_cells.cases(0) if "pair" not in case.tags]
-    return [c.id for c in listed], np.array([c.build().values for c in listed])
+from posing import (
+    Floats,
+    crowded,
+    faults,
+    random_cells,
+    side_of,
+    stacked,
+    surface,
+    targeted,
+    tunnel_pairs,
+)
 
 
 @dataclass
@@ -87,58 +35,95 @@ class Agreement:
 
     right, total : cells of each case, over the targeted cells
     faults : faults of each case
+    whole : cells of each case whose island (see `whole`) has the true surface
     random : right and all random cells
     crowded : pairs of tunnel cells in which an edge has more than two triangles, of 72
-    why_not : why it could not be judged, or ""
+    crossing : pairs of triangles that meet where they should not, in the targeted cells
+    why_not_cells : why single cells could not be judged, or ""
+    why_not : why nothing could be, or ""
     """
 
     name: str
-    version: str
-    right: Counter[str]
-    total: Counter[str]
-    faults: Counter[tuple[str, str]]
-    random: tuple[int, int]
-    crowded: int
+    version: str = ""
+    right: Counter[str] = field(default_factory=Counter)
+    total: Counter[str] = field(default_factory=Counter)
+    faults: Counter[tuple[str, str]] = field(default_factory=Counter)
+    whole: Counter[str] = field(default_factory=Counter)
+    random: tuple[int, int] = (0, 0)
+    crowded: int = 0
+    crossing: int = 0
+    why_not_cells: str = ""
     why_not: str = ""
 
 
-def agreement(name: str, posed: tuple[list[str], Floats], random: Floats) -> Agreement:
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """What is asked of every implementation.
+
+    values, names : the targeted cells and their cases
+    islands : (n, 2) components and Euler characteristic on the island of each
+    random : random cells
+    """
+
+    values: Floats
+    names: list[str]
+    islands: NDArray[np.int64]
+    random: Floats
+
+
+def posed(share: int) -> Posed:
+    """The targeted cells, or a share of them, and 10,000 random ones."""
+    values = targeted()[1][::share]
+    names: list[str] = case_names(cells(values)).tolist()
+    return Posed(values, names, whole.truth(values), random_cells(10_000 // share, 4))
+
+
+def agreement(name: str, asked: Posed) -> Agreement:
     """The implementation's row."""
-    door = open_door(name)
-    empty: Agreement = Agreement(name, "", Counter(), Counter(), Counter(), (0, 0), 0)
+    door, row = open_door(name), Agreement(name)
     try:
         said = door.open(Limits(seconds=120))
-        empty.version = said.version
+        row.version = said.version
+        row.total = Counter(asked.names)
+        good, islands = whole.right(door, asked.values, asked.islands, side_of(name))
+        row.whole = Counter(np.array(asked.names)[good].tolist())
         if "on-edges" in said.without:
-            empty.why_not = "its vertices are not on the lattice's edges"
-            return empty
-        names = case_names(cells(posed[1]))
-        side = SIDES.get(name, 10)
-        found = faults(door, posed[1], side)
-        for case, fault in zip(names.tolist(), found, strict=True):
-            empty.total[case] += 1
-            empty.right[case] += fault is Fault.NONE
-            if fault is not Fault.NONE:
-                empty.faults[case, str(fault)] += 1
-        wild = faults(door, random if side > 2 else random[:1000], side)
-        empty.random = (sum(f is Fault.NONE for f in wild), len(wild))
-        empty.crowded = sum(crowded(door, pair) for pair in tunnel_pairs())
+            row.why_not_cells = "its vertices are not on the lattice's edges"
+            row.crossing = len(self_intersections(islands.points, islands.faces))
+        else:
+            _judge_cells(door, row, asked)
     except DoorError as error:
-        empty.why_not = str(error).splitlines()[0]
+        row.why_not = str(error).splitlines()[0]
     finally:
         door.close()
-    return empty
+    return row
 
 
-def tunnel_pairs() -> Iterator[Floats]:
-    """72 fields: a tunnel cell and its mirror image across each face, and the same negated."""
-    for name, face, sign in product(TUNNELS, range(6), (1, -1)):
-        yield trilinear_cells.pair(name, face, sign, 0)
+def _judge_cells(door: Door, row: Agreement, asked: Posed) -> None:
+    """What is true of the implementation cell by cell."""
+    side = side_of(row.name)
+    found = faults(door, asked.values, side)
+    for case, fault in zip(asked.names, found, strict=True):
+        row.right[case] += fault is Fault.NONE
+        if fault is not Fault.NONE:
+            row.faults[case, str(fault)] += 1
+    wild = faults(door, asked.random if side > 2 else asked.random[:1000], side)
+    row.random = (sum(f is Fault.NONE for f in wild), len(wild))
+    row.crowded = sum(crowded(door, pair) for pair in tunnel_pairs())
+    row.crossing = crossing(door, asked.values, side)
 
 
-def crowded(door: Door, values: Floats) -> bool:
-    """Whether some edge of the answer has more than two triangles."""
-    return len(surface(door, values).crowded_edges) > 0
+def crossing(door: Door, values: Floats, side: int) -> int:
+    """Pairs of triangles of one cell that meet in more than they share, over all the cells."""
+    total = 0
+    for start in range(0, len(values), side**3):
+        block = values[start : start + side**3]
+        padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
+        answer = surface(door, stacked(padded, side))
+        middle = answer.points[answer.faces].mean(axis=1)
+        here = ((middle - 1) % 3 <= 1).all(axis=1)
+        total += len(self_intersections(answer.points, answer.faces[here]))
+    return total
 
 
 def implementations() -> list[str]:
@@ -146,87 +131,17 @@ def implementations() -> list[str]:
     return sorted(ready_made_names(), key=lambda name: (name.startswith("isoref"), name))
 
 
-# --- the smallest failing cell of each fault ----------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Smallest:
-    """A cell of small whole numbers in which an implementation errs."""
-
-    name: str
-    case: str
-    fault: str
-    values: tuple[int, ...]
-
-
-def small_cells(limit: int, seed: int) -> Floats:
-    """4,000 cells of whole numbers from -limit to limit, none of them a tie."""
-    rng = np.random.default_rng((seed, limit))
-    drawn = rng.integers(1, limit + 1, (4 * DRAWN, 2, 2, 2)) * rng.choice(
-        [-1, 1], (4 * DRAWN, 2, 2, 2)
-    )
-    good = drawn[cells(drawn).ties == NONE][:DRAWN]
-    filler = np.full((DRAWN - len(good), 2, 2, 2), 1)
-    return np.concatenate([good, filler]).astype(float)
-
-
-def checkered_cells(limit: int, seed: int) -> Floats:
-    """The same, in two thirds of them with the signs of a tunnel case."""
-    values = np.abs(small_cells(limit, seed + 1))
-    patterns = [np.sign(trilinear_cells.far(name, 0)[0]) for name in TUNNELS]
-    rng = np.random.default_rng((seed, limit, 1))
-    signs = np.array(patterns)[rng.integers(0, len(patterns), DRAWN)]
-    signs *= rng.choice([-1, 1], (DRAWN, 1, 1, 1))
-    return np.asarray(values * signs)
-
-
-def smallest_failures(name: str, limits: Iterable[int] = range(2, 13)) -> list[Smallest]:
-    """For each fault the implementation has, the cell of least numbers found."""
-    door = open_door(name)
-    best: dict[str, tuple[tuple[float, ...], Smallest]] = {}
-    try:
-        if "on-edges" in door.open(Limits(seconds=120)).without:
-            return []
-        for limit in limits:
-            for draw in (small_cells, checkered_cells):
-                _keep_smallest(name, door, draw, limit, best)
-    except DoorError:
-        return []
-    finally:
-        door.close()
-    return [small for _, small in best.values()]
-
-
-def _keep_smallest(
-    name: str,
-    door: Door,
-    draw: Callable[[int, int], Floats],
-    limit: int,
-    best: dict[str, tuple[tuple[float, ...], Smallest]],
-) -> None:
-    """Put into `best` what is smaller than what is there."""
-    values = draw(limit, 0)
-    truths = cells(values)
-    names = case_names(truths)
-    for i, fault in enumerate(faults(door, values, SIDES.get(name, 10))):
-        if fault is Fault.NONE or truths.ties[i] != NONE:
-            continue
-        flat = values[i].reshape(-1)
-        size = (float(np.abs(flat).max()), float(np.abs(flat).sum()), *flat.tolist())
-        if str(fault) not in best or size < best[str(fault)][0]:
-            small = Smallest(name, str(names[i]), str(fault), tuple(int(x) for x in flat))
-            best[str(fault)] = (size, small)
-
-
-# --- the reference, at length -------------------------------------------------------------------
+def noise_grids(number: int, size: int) -> Iterator[Floats]:
+    """Grids of noise, no sample nearer to zero than 1/16."""
+    rng = np.random.default_rng(0)
+    for _ in range(number):
+        yield rng.integers(64, 1024, (size,) * 3) / 1024 * rng.choice([-1, 1], (size,) * 3)
 
 
 def grids_of_noise(door: Door, number: int, size: int) -> tuple[int, int, int]:
     """Over grids of noise: cells, wrong cells, grids with an edge of more than two triangles."""
-    rng = np.random.default_rng(0)
     total = wrong = crowds = 0
-    for _ in range(number):
-        values = rng.integers(64, 1024, (size,) * 3) / 1024 * rng.choice([-1, 1], (size,) * 3)
+    for values in noise_grids(number, size):
         answer = surface(door, values)
         index, corners = active_cells(values, 0.0)
         truths = cells(corners)
@@ -238,7 +153,12 @@ def grids_of_noise(door: Door, number: int, size: int) -> tuple[int, int, int]:
     return total, wrong, crowds
 
 
-# --- real volumes -------------------------------------------------------------------------------
+def crossing_in_grids(door: Door, number: int, size: int) -> int:
+    """Pairs of triangles that meet in more than they share, over the first of these grids."""
+    return sum(
+        len(self_intersections(answer.points, answer.faces))
+        for answer in (surface(door, values) for values in noise_grids(number, size))
+    )
 
 
 def decided(high: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -248,15 +168,3 @@ def decided(high: NDArray[np.bool_]) -> NDArray[np.bool_]:
         [number[tuple(1 if code >> c & 1 else -1 for c in range(8))] == 1 for code in range(256)]
     )
     return np.asarray(only[high @ (1 << np.arange(8))])
-
-
-def line(n: int) -> NDArray[np.int64]:
-    """(n, 3) where n cells stand in the field of `in_line`."""
-    return np.stack([3 * np.arange(n), np.zeros(n, int), np.zeros(n, int)], axis=1)
-
-
-def in_line(values: NDArray[np.generic], level: float) -> Floats:
-    """The field (3 n, 2, 2) in which the cells stand in a row, parted by high samples."""
-    field = np.full((len(values), 3, 2, 2), level + 1)
-    field[:, :2] = values
-    return field.reshape(-1, 2, 2)

@@ -13,16 +13,18 @@ import json
 from collections import Counter
 from pathlib import Path
 
-import agreement as agree
+import agreement
 import figures
-import geometry
+import libraries
 import numpy as np
+import posing
 from isograde.doors import open_door
+from isograde.fields.trilinear_cells import TUNNELS
 from isograde.fields.volumes import REGISTRY, find, read
-from isograde.model import DoorError, Finding, Limits
+from isograde.model import Limits
 from isograde.reproduction import Table, write_report
 from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import NONE, active_cells, cells, grid
+from isograde.truths.trilinear import NONE, cells
 from isograde.truths.trilinear_by_refinement import UnresolvedError, refine
 from isograde.truths.trilinear_cases import (
     case_name,
@@ -32,6 +34,7 @@ from isograde.truths.trilinear_cases import (
     every_topology,
     representative,
 )
+from isograde.truths.trilinear_grid import active_cells, grid
 from isoref.field import Field
 from isoref.methods import METHODS
 
@@ -58,7 +61,9 @@ def main() -> None:
     if options.quick:
         parts.append("**A quick run: a twentieth of the cells.**")
     parts += [*how_many_cases(share), checked_by_refinement(share), reference_agrees(share)]
-    parts += [real_volumes(), *libraries(share), *beside_topology()]
+    limits = (2, 3, 4, 6) if share == 1 else (4, 8)
+    parts += [real_volumes(), *libraries.compared(agreement.posed(share), limits)]
+    parts += libraries.beside_topology()
     write_report(options.out / "trilinear.md", "The topology of the trilinear interpolant", parts)
     print(f"wrote {options.out / 'trilinear.md'}")
 
@@ -112,7 +117,7 @@ def _each_case(share: int) -> str:
     drawn = 500_000 // share
     found: Counter[str] = Counter()
     for start in range(0, drawn, 100_000):
-        values = agree.random_cells(min(100_000, drawn - start), start)
+        values = posing.random_cells(min(100_000, drawn - start), start)
         found.update(case_names(cells(values)).tolist())
     labelled = Counter(case_name(one) for one in every_topology())
     sheets = {case_name(one): one.sheets for one in every_topology()}
@@ -128,7 +133,7 @@ def _each_case(share: int) -> str:
     for name in every_case():
         shown = ", ".join("+".join(map(str, sheet)) for sheet in sheets[name]) or "none"
         lines.append(f"| {name} | {shown} | {labelled[name]} | {found[name] / drawn:.5%} |")
-    tunnels = sum(n for name, n in found.items() if name in agree.TUNNELS)
+    tunnels = sum(n for name, n in found.items() if name in TUNNELS)
     lines += ["", f"Cells with a tunnel: {tunnels:,} of {drawn:,} ({tunnels / drawn:.3%})."]
     return "\n".join(lines) + "\n"
 
@@ -137,8 +142,8 @@ def checked_by_refinement(share: int) -> Table:
     """The truth beside refinement and digital topology."""
     table = Table("The truth, checked by refinement and digital topology")
     for title, values in (
-        ("random cells", agree.random_cells(10_000 // share, 1)),
-        ("targeted cells", agree.targeted()[1][:: 2 * share]),
+        ("random cells", posing.random_cells(10_000 // share, 1)),
+        ("targeted cells", posing.targeted()[1][:: 2 * share]),
     ):
         truths = cells(values)
         agreed = unresolved = 0
@@ -178,20 +183,24 @@ def _grids_by_refinement(number: int) -> tuple[int, int]:
 def reference_agrees(share: int) -> Table:
     """isoref:trilinear-cubes beside the truth, at length."""
     table = Table("isoref:trilinear-cubes beside the truth")
-    door = open_door(agree.REFERENCE)
+    door = open_door(posing.REFERENCE)
     door.open(Limits(seconds=120))
     try:
         for title, values in (
-            ("random cells", agree.random_cells(100_000 // share, 3)),
-            ("targeted cells", agree.targeted()[1]),
+            ("random cells", posing.random_cells(100_000 // share, 3)),
+            ("targeted cells", posing.targeted()[1]),
         ):
-            right = sum(fault is Fault.NONE for fault in agree.faults(door, values))
+            right = sum(fault is Fault.NONE for fault in posing.faults(door, values))
             table.add(f"{title} right", len(values), right)
+            crossing = agreement.crossing(door, values, posing.side_of(posing.REFERENCE))
+            table.add(f"pairs of triangles that cross in the {title}", 0, crossing)
         grids = 2_000 // share
-        total, wrong, crowds = agree.grids_of_noise(door, grids, 8)
+        total, wrong, crowds = agreement.grids_of_noise(door, grids, 8)
         table.add(f"cells of {grids:,} grids of 8^3 noise right", total, total - wrong)
         table.add("grids with an edge of more than two triangles", 0, crowds)
-        crowded = sum(agree.crowded(door, pair) for pair in agree.tunnel_pairs())
+        crossing = agreement.crossing_in_grids(door, grids // 10, 8)
+        table.add(f"pairs of triangles that cross in {grids // 10:,} of these grids", 0, crossing)
+        crowded = sum(posing.crowded(door, pair) for pair in posing.tunnel_pairs())
         table.add("pairs of tunnels with such an edge", 0, crowded)
     finally:
         door.close()
@@ -225,9 +234,9 @@ def _add_volume(
         truths = cells(corners, level)
         good = truths.ties == NONE
         ties += int((~good).sum())
-        field = Field.of(agree.in_line(corners, level))
+        field = Field.of(posing.in_line(corners, level))
         mesh = METHODS["trilinear-cubes"](field, level)
-        found = judge(mesh.vertices, mesh.simplices, agree.line(len(corners)), truths, field.shape)
+        found = judge(mesh.vertices, mesh.simplices, posing.line(len(corners)), truths, field.shape)
         total += int(good.sum())
         right += sum(f is Fault.NONE for f, g in zip(found, good, strict=True) if g)
         tunnels += int((truths.tunnels[good] > 0).sum())
@@ -245,184 +254,11 @@ def _undecided_blocks(
         _, corners = active_cells(values[start : start + 33], level)
         if len(corners):
             high = corners.reshape(-1, 8) > level
-            found.append(corners[~agree.decided(high)])
+            found.append(corners[~agreement.decided(high)])
     if not found:
         return []
     together = np.concatenate(found)
     return [together[i : i + 300] for i in range(0, len(together), 300)]
-
-
-def libraries(share: int) -> list[Table | str]:
-    """A row for each implementation, the table of cases, and the smallest failing cells."""
-    posed, random = agree.targeted(), agree.random_cells(10_000 // share, 4)
-    if share > 1:
-        posed = posed[0][::share], posed[1][::share]
-    rows = [agree.agreement(name, posed, random) for name in agree.implementations()]
-    judged = [row for row in rows if not row.why_not]
-    smallest = [
-        small
-        for row in judged
-        if row.faults and not row.name.startswith("isoref")
-        for small in agree.smallest_failures(row.name, (2, 3, 4, 6) if share == 1 else (4, 8))
-    ]
-    return [_summary(rows), _by_case(judged), _smallest(smallest)]
-
-
-def _summary(rows: list[agree.Agreement]) -> str:
-    """Every implementation's agreement in numbers."""
-    lines = [
-        "## Who has the topology of the trilinear interpolant",
-        "",
-        "Right cells among random ones, among the targeted ones of cases without and with a "
-        "tunnel; and pairs of tunnels that meet on a face, out of 72, in which an edge has more "
-        "than two triangles. MeshLab, which takes small fields only, has a tenth of the random "
-        "cells.",
-        "",
-        "| implementation | version | random cells | no tunnel | tunnel | crowded pairs "
-        "| not judged |",
-        "| --- | --- | ---: | ---: | ---: | ---: | --- |",
-    ]
-    for row in rows:
-        if row.why_not:
-            lines.append(f"| {row.name} | {row.version} | | | | | {row.why_not} |")
-            continue
-        plain, tunnel = (
-            f"{sum(row.right[c] for c in names):,} of {sum(row.total[c] for c in names):,}"
-            for names in ([c for c in every_case() if c not in agree.TUNNELS], agree.TUNNELS)
-        )
-        share = f"{row.random[0] / row.random[1]:.3%}"
-        cells_ = f"{share} | {plain} | {tunnel} | {row.crowded}"
-        lines.append(f"| {row.name} | {row.version} | {cells_} | |")
-    return "\n".join(lines) + "\n"
-
-
-LETTERS = {
-    Fault.FACE: "F",
-    Fault.FALSE: "T",
-    Fault.MISSING: "M",
-    Fault.OPEN: "H",
-    Fault.EULER: "E",
-    Fault.CROWDED: "C",
-}
-
-
-def _by_case(rows: list[agree.Agreement]) -> str:
-    """The cases in which each implementation errs."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for row in rows:
-        marks = tuple(_mark(row, case) for case in every_case())
-        groups.setdefault(marks, []).append(row.name)
-    heads = [chr(ord("A") + i) for i in range(len(groups))]
-    lines = [
-        "## Agreement by case",
-        "",
-        "A tick: right in all targeted cells of the case. Else how many are right, of how many, "
-        "and the faults: F wrong face, T false tunnel, M missing tunnel, H hole, E wrong Euler "
-        "characteristic, C an edge with more than two triangles. Implementations that agree in "
-        "every entry share a column.",
-        "",
-        *(f"- **{h}** {', '.join(names)}" for h, names in zip(heads, groups.values(), strict=True)),
-        "",
-        f"| case | {' | '.join(heads)} |",
-        f"| --- | {' | '.join('---:' for _ in heads)} |",
-    ]
-    for i, case in enumerate(every_case()):
-        lines.append(f"| {case} | {' | '.join(marks[i] for marks in groups)} |")
-    return "\n".join(lines) + "\n"
-
-
-def _mark(row: agree.Agreement, case: str) -> str:
-    """One entry of the table."""
-    right, total = row.right[case], row.total[case]
-    if right == total:
-        return "✓"
-    letters = sorted({LETTERS[Fault(f)] for (c, f) in row.faults if c == case})
-    return f"{right} of {total} {''.join(letters)}"
-
-
-def _smallest(found: list[agree.Smallest]) -> str:
-    """The smallest failing cells."""
-    lines = [
-        "## The smallest failing cell of each fault",
-        "",
-        "Samples in C order, F(0,0,0), F(0,0,1), .. F(1,1,1); the isovalue is 0. Smallest by the "
-        "largest number, then by the sum of sizes, among the whole numbers tried.",
-        "",
-        "| implementation | fault | case | samples |",
-        "| --- | --- | --- | --- |",
-        *(f"| {s.name} | {s.fault} | {s.case} | {' '.join(map(str, s.values))} |" for s in found),
-    ]
-    return "\n".join(lines) + "\n"
-
-
-# One of each kind: the others draw the same surfaces, or are not on the lattice's edges.
-MEASURED = (
-    "skimage:lewiner",
-    "skimage:lorensen",
-    "pymcubes",
-    "libigl",
-    "vtk:flying-edges",
-    "vtk:contour-filter",
-    "isoref:lorensen-cline",
-    "isoref:asymptotic-decider",
-    "isoref:marching-vesta-mixed-H",
-    "isoref:trilinear-cubes",
-)
-
-
-def beside_topology() -> list[str]:
-    """Distance to the level set, triangles, self-intersections; and orders of convergence."""
-    values = geometry.smooth_noise()
-    near = [
-        "## Beside topology: distance, triangles, self-intersections",
-        "",
-        "Smoothed noise of 24^3 samples. Distance of points on the triangles from the trilinear "
-        "level set, in spacings, along Newton's steps within the cell (an upper bound): mean, and "
-        "what one in a thousand exceeds; median of the triangles' smallest angles, share of "
-        "triangles below 5 degrees; triangles that intersect others, as MeshLab counts them.",
-        "",
-        "| implementation | mean | 99.9 % | median angle | below 5° | intersecting | triangles |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    names = ["position", "normal", "area", "volume", "curvature"]
-    far = [
-        "## Orders of convergence",
-        "",
-        "Observed order with its 95 % confidence interval, spheres and tori at six resolutions "
-        "(claims `accuracy.*`). Formal: 2 for position, area and volume, 1 for normals and total "
-        "mean curvature.",
-        "",
-        f"| implementation | shape | {' | '.join(names)} |",
-        f"| --- | --- | {' | '.join('---:' for _ in names)} |",
-    ]
-    for name in MEASURED:
-        door = open_door(name)
-        try:
-            said = door.open(Limits(seconds=120))
-            found = geometry.measured(door, values)
-            near.append(
-                f"| {name} | {found.mean:.4f} | {found.worst:.3f} | {found.median_angle:.1f}° "
-                f"| {found.slivers:.1%} | {found.crossing:,} | {found.triangles:,} |"
-            )
-            far += _order_rows(name, geometry.orders(door, said))
-        except DoorError as error:
-            near.append(f"| {name} | not measured: {error} | | | | | |")
-        finally:
-            door.close()
-    return ["\n".join(lines) + "\n" for lines in (near, far)]
-
-
-def _order_rows(name: str, found: dict[str, list[Finding]]) -> list[str]:
-    """A line a shape with the orders of each claim."""
-    rows = []
-    for i, shape in enumerate(("spheres", "tori")):
-        entries = [
-            "{} ({} to {})".format(f.numbers["order"], *f.numbers["interval"])
-            for f in (findings[i] for findings in found.values())
-            if "order" in f.numbers
-        ]
-        rows.append(f"| {name} | {shape} | {' | '.join(entries)} |")
-    return rows
 
 
 if __name__ == "__main__":

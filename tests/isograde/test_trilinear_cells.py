@@ -8,8 +8,9 @@ from isograde.fields import trilinear_cells
 from isograde.fields.frozen import digest
 from isograde.fields.trilinear_cells import STEPS, TUNNELS, UNIT, near, topology_of
 from isograde.model import Case
-from isograde.truths.trilinear import NONE, cells, grid
+from isograde.truths.trilinear import NONE, cells
 from isograde.truths.trilinear_cases import case_names, every_topology
+from isograde.truths.trilinear_grid import grid
 
 
 @pytest.fixture(scope="module")

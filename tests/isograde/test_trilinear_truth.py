@@ -5,8 +5,9 @@ from itertools import permutations
 import numpy as np
 import pytest
 from isograde.truths import trilinear
-from isograde.truths.trilinear import BODY, CORNER, FACE, NONE, Truths, cells, grid
+from isograde.truths.trilinear import BODY, CORNER, FACE, NONE, Truths, cells
 from isograde.truths.trilinear_by_refinement import UnresolvedError, refine
+from isograde.truths.trilinear_grid import GridTruth, grid
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -182,5 +183,5 @@ def test_a_grid_with_a_tie_says_so() -> None:
 
 def test_no_cells_no_surface() -> None:
     """An isovalue outside the range."""
-    assert grid(np.ones((3, 3, 3)), 2.0) == trilinear.GridTruth(0, 0, 0, 0)
+    assert grid(np.ones((3, 3, 3)), 2.0) == GridTruth(0, 0, 0, 0)
     assert len(cells(np.zeros((0, 2, 2, 2)))) == 0

@@ -95,12 +95,12 @@ def test_scikit_image_draws_a_tunnel_in_4_1_and_none_in_7_4_2(
     module: Callable[[str], Any],
 ) -> None:
     """The page's sentence about `lewiner`, in the cells of the frozen vectors."""
-    agreement = module("agreement")
+    posing = module("posing")
     door = open_door("skimage:lewiner")
     door.open(Limits())
     try:
         apart, joined = far("4.2", 0)[1], far("7.4.2", 0)[0]
-        found = agreement.faults(door, np.stack([apart, joined]), side=2)
+        found = posing.faults(door, np.stack([apart, joined]), side=2)
     finally:
         door.close()
     assert found == [Fault.FALSE, Fault.MISSING]
@@ -108,37 +108,37 @@ def test_scikit_image_draws_a_tunnel_in_4_1_and_none_in_7_4_2(
 
 def test_two_tunnels_of_10_1_2_share_a_face_and_an_edge(module: Callable[[str], Any]) -> None:
     """The page's sentence about diagonals on faces: scikit-image crowds, the reference does not."""
-    agreement = module("agreement")
+    posing = module("posing")
     both = pair("10.1.2", 0, -1, 0)
-    for name, expected in (("skimage:lewiner", True), (agreement.REFERENCE, False)):
+    for name, expected in (("skimage:lewiner", True), (posing.REFERENCE, False)):
         door = open_door(name)
         door.open(Limits())
         try:
-            assert agreement.crowded(door, both) is expected
+            assert posing.crowded(door, both) is expected
         finally:
             door.close()
 
 
 def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], Any]) -> None:
     """Each posed cell is read back from the field it stands in."""
-    agreement = module("agreement")
-    values = agreement.random_cells(27, 0)
-    field = agreement.stacked(values, 3)
-    for cell, (i, j, k) in zip(values, agreement.places(3), strict=True):
+    posing = module("posing")
+    values = posing.random_cells(27, 0)
+    field = posing.stacked(values, 3)
+    for cell, (i, j, k) in zip(values, posing.places(3), strict=True):
         assert (field[i : i + 2, j : j + 2, k : k + 2] == cell).all()
 
 
 def test_the_reference_is_right_wherever_it_is_posed(module: Callable[[str], Any]) -> None:
     """A sample of what reproduce.py counts at length."""
-    agreement = module("agreement")
-    door = open_door(agreement.REFERENCE)
+    agreement, posing = module("agreement"), module("posing")
+    door = open_door(posing.REFERENCE)
     door.open(Limits())
     try:
-        assert set(agreement.faults(door, agreement.random_cells(3000, 5))) == {Fault.NONE}
+        assert set(posing.faults(door, posing.random_cells(3000, 5))) == {Fault.NONE}
         total, wrong, crowds = agreement.grids_of_noise(door, 5, 8)
         assert (wrong, crowds) == (0, 0)
         assert total > 1000
-        assert not any(agreement.crowded(door, pair) for pair in agreement.tunnel_pairs())
+        assert not any(posing.crowded(door, pair) for pair in posing.tunnel_pairs())
     finally:
         door.close()
 

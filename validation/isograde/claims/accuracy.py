@@ -22,6 +22,7 @@ from isograde.fields.accuracy import SCALES, Body, row
 from isograde.model import Claim, Finding, Trial
 from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
 from isograde.truths.halfedges import Surface
+from isograde.truths.shapes import shapes
 from isograde.truths.trilinear_distance import distance
 
 SLACK = 0.15
@@ -94,8 +95,17 @@ def pieces(trial: Trial) -> list[Piece]:
     return remembered(trial, "accuracy pieces", compute)
 
 
-def converges(trial: Trial, *, error: Callable[[Piece], float], formal: float) -> Finding:
-    """Pass when the observed order is not below the formal one."""
+def converges(
+    trial: Trial,
+    *,
+    error: Callable[[Piece], float],
+    formal: float,
+    also: Callable[[Surface], dict[str, float]] | None,
+) -> Finding:
+    """Pass when the observed order is not below the formal one.
+
+    `also` measures the finest body's surface for the report.
+    """
     if trial.case.id not in {f"accuracy/{shape}" for shape in SCALES}:
         return skipped("a part of the case has no whole row of bodies")
     found = pieces(trial)
@@ -109,6 +119,7 @@ def converges(trial: Trial, *, error: Callable[[Piece], float], formal: float) -
         "interval": [round(order.low, 3), round(order.high, 3)],
         "formal": formal,
         "finest_error": errors[-1],
+        **(also(found[-1].surface) if also else {}),
     }
     if order.high >= formal - SLACK:
         return passed(**numbers)
@@ -119,7 +130,22 @@ def converges(trial: Trial, *, error: Callable[[Piece], float], formal: float) -
     )
 
 
-def _claim(name: str, what: str, formal: float, error: Callable[[Piece], float]) -> Claim:
+def thinness(surface: Surface) -> dict[str, float]:
+    """The shapes of the triangles as figures: no order, and no threshold."""
+    found = shapes(surface)
+    return {
+        "median_smallest_angle": round(found.median, 1),
+        "thin_triangles": round(found.thin, 4),
+    }
+
+
+def _claim(
+    name: str,
+    what: str,
+    formal: float,
+    error: Callable[[Piece], float],
+    also: Callable[[Surface], dict[str, float]] | None = None,
+) -> Claim:
     """A claim of this family: beside the ladder, on the bodies of `isograde.fields.accuracy`."""
     return Claim(
         id=f"accuracy.{name}",
@@ -127,7 +153,7 @@ def _claim(name: str, what: str, formal: float, error: Callable[[Piece], float])
         f"finely, to within {SLACK:g} of the 95 % confidence interval.",
         source=ETIENE,
         level=None,
-        judge=on_triangles(partial(converges, error=error, formal=formal)),
+        judge=on_triangles(partial(converges, error=error, formal=formal, also=also)),
         tags=frozenset({"accuracy"}),
         unless=frozenset({"linear-crossing"}),
     )
@@ -135,7 +161,7 @@ def _claim(name: str, what: str, formal: float, error: Callable[[Piece], float])
 
 CLAIMS = (
     _claim("position", "The largest distance of a vertex", 2, lambda piece: piece.position),
-    _claim("normal", "The error of the faces' normals", 1, lambda piece: piece.normal),
+    _claim("normal", "The error of the faces' normals", 1, lambda piece: piece.normal, thinness),
     _claim(
         "distance",
         "The largest distance of the triangles from the trilinear surface",
