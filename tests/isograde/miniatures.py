@@ -21,7 +21,10 @@ from typing import Any
 import numpy as np
 from isograde.doors.conventions import to_house
 from isograde.model import Conventions, Declaration, Limits, Outcome, Request, Status
-from isoref.field import Array, Floats, Integers
+from isograde.truths.halfedges import components_of
+from isoref.field import Array, Field, Floats, Integers
+from isoref.methods import METHODS
+from scipy.spatial import ConvexHull
 
 Place = tuple[int, int, int]
 Answer = tuple[Any, Any]
@@ -259,6 +262,7 @@ class Miniature:
     conventions: Conventions = fresh(default_factory=Conventions)
     without: frozenset[str] = frozenset()
     level: int = 2
+    connectivity: str = ""
 
 
 class Inside:
@@ -270,7 +274,13 @@ class Inside:
     def open(self, limits: Limits) -> Declaration:
         """What the miniature declares."""
         m = self.miniature
-        return Declaration(m.name, level=m.level, conventions=m.conventions, without=m.without)
+        return Declaration(
+            m.name,
+            level=m.level,
+            conventions=m.conventions,
+            without=m.without,
+            connectivity=m.connectivity,
+        )
 
     def run(self, request: Request) -> Outcome:
         """The outcome of one call, in the house's conventions."""
@@ -423,6 +433,58 @@ def as_quadrilaterals(v: Floats, f: Integers) -> Answer:
     return v, np.concatenate([f, f[:, :1]], axis=1)
 
 
+def with_swapped_middles(v: Floats, f: Integers) -> Answer:
+    """The two inner vertices of a cell that has two, exchanged."""
+    v = v.copy()
+    inner: dict[tuple[int, ...], list[int]] = {}
+    for i in np.flatnonzero((v != np.rint(v)).all(axis=1)):
+        inner.setdefault(tuple(np.floor(v[i]).astype(int).tolist()), []).append(int(i))
+    for pair in inner.values():
+        if len(pair) == 2:
+            v[pair] = v[pair[::-1]]
+    return v, f
+
+
+def with_false_tunnel(v: Floats, f: Integers) -> Answer:
+    """Two triangles of one cell that no triangles of it connect, exchanged for a band."""
+    cells: dict[tuple[int, ...], list[int]] = {}
+    for i, middle_of in enumerate(v[f].mean(axis=1)):
+        cells.setdefault(tuple(np.floor(middle_of).astype(int).tolist()), []).append(i)
+    for mine in cells.values():
+        first = sheet_of(f, mine)
+        rest = [i for i in mine if i not in first]
+        if rest:
+            a, b = f[mine[0]], f[rest[0]][::-1]
+            turn = [(0, 1), (1, 2), (2, 0)]
+            band = [(a[i], a[j], b[i]) for i, j in turn] + [(b[i], a[j], b[j]) for i, j in turn]
+            return v, np.concatenate([np.delete(f, [mine[0], rest[0]], axis=0), band])
+    return v, f
+
+
+def sheet_of(f: Integers, cell: list[int]) -> set[int]:
+    """The triangles of the cell that are connected to its first one."""
+    found, corners = {cell[0]}, set(f[cell[0]].tolist())
+    while more := {i for i in cell if i not in found and corners & set(f[i].tolist())}:
+        found |= more
+        corners |= {int(c) for i in more for c in f[i]}
+    return found
+
+
+def with_pinch(v: Floats, f: Integers) -> Answer:
+    """A triangle there and back, between an edge and a vertex that is joined to neither end.
+
+    Two faces more and two edges more: the Euler characteristic stays, but the edge has four faces.
+    """
+    edges = {frozenset((int(t[i]), int(t[(i + 1) % 3]))) for t in f for i in range(3)}
+    for x in range(len(v)):
+        for a, b in (tuple(edge) for edge in edges):
+            apart_from_both = frozenset((x, a)) not in edges and frozenset((x, b)) not in edges
+            one_cell = np.ptp(v[[a, b, x]], axis=0).max() <= 1
+            if x not in (a, b) and apart_from_both and one_cell:
+                return v, np.concatenate([f, [(a, b, x), (b, a, x)]])
+    return v, f
+
+
 # Broken in what they make of their input.
 
 
@@ -522,6 +584,15 @@ def without_touching(v: Floats, f: Integers) -> Answer:
     return v, f[~touches[f].any(axis=1)]
 
 
+def trilinear(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The reference with the topology of the trilinear interpolant: no plain twin is as short."""
+    check(values, isovalue)
+    if min(values.shape) < 2:
+        return plain(values, isovalue, spacing)
+    mesh = METHODS["trilinear-cubes"](Field.of(values.astype(np.float64), spacing), isovalue)
+    return mesh.vertices, mesh.simplices
+
+
 TIES_FOLLOW = ("robustness.ties",)
 # Two holes at a lattice edge cut the faces round its vertex into two fans.
 HOLES_FOLLOW = ("topology.vertex_manifold", *TIES_FOLLOW)
@@ -530,7 +601,9 @@ CORRECT = (
     Miniature("separates", plain),
     Miniature("joins", made(decide=together)),
     Miniature("asymptotic", made(decide=asymptotic), level=3),
+    Miniature("trilinear", trilinear, level=4),
     Miniature("means", made(decide=by_mean)),
+    Miniature("mixed", made(decide=by_mean), connectivity="mixed"),
     Miniature("inner vertices", made(cut=star)),
     Miniature("joins, inner vertices", made(decide=together, cut=star)),
     Miniature("ties outside", made(tie_inside=False), conventions=Conventions(tie="outside")),
@@ -592,8 +665,14 @@ BROKEN = (
         ("cases.legal", *TIES_FOLLOW),
     ),
     Miniature("turned over", changed(turned_over), "topology.facing"),
-    Miniature("fixed polarity", plain, "topology.bilinear", level=3),
-    Miniature("face means", made(decide=by_mean), "topology.bilinear", level=3),
+    Miniature("fixed polarity", plain, "topology.bilinear", ("cases.frequencies",), level=3),
+    Miniature(
+        "face means",
+        made(decide=by_mean),
+        "topology.bilinear",
+        ("cases.frequencies",),
+        level=3,
+    ),
     Miniature(
         "bent border",
         changed(with_bent_border),
@@ -607,7 +686,19 @@ BROKEN = (
         "cases.legal",
         ("symmetry.translation", "symmetry.orientation"),
     ),
-    Miniature("bubble", changed(with_bubble), "counting.triangles"),
+    Miniature(
+        "swapped middles",
+        changed(with_swapped_middles, made(cut=star)),
+        "geometry.no_self_intersection",
+    ),
+    Miniature("declared mixed", plain, "cases.cycles", connectivity="mixed"),
+    Miniature("counted wrong", plain, "cases.frequencies", ("topology.bilinear",), level=3),
+    Miniature(
+        "bubble",
+        changed(with_bubble),
+        "counting.triangles",
+        ("geometry.no_self_intersection",),
+    ),
     Miniature(
         "chessboard undeclared",
         made(decide=by_place),
@@ -635,5 +726,126 @@ BROKEN = (
             "topology.vertex_manifold",
             "topology.separates",
         ),
+    ),
+    Miniature("missing tunnel", made(decide=asymptotic), "topology.trilinear", level=4),
+    Miniature(
+        "wrong face",
+        plain,
+        "topology.trilinear",
+        ("topology.bilinear", "cases.frequencies"),
+        level=4,
+    ),
+    Miniature(
+        "false tunnel",
+        changed(with_false_tunnel, trilinear),
+        "topology.trilinear",
+        ("geometry.no_self_intersection", "symmetry.translation", "symmetry.orientation"),
+        level=4,
+    ),
+    Miniature(
+        "non-manifold edge",
+        changed(with_pinch, trilinear),
+        "topology.trilinear",
+        (
+            "structure.no_duplicate_face",
+            "topology.edge_manifold",
+            "topology.vertex_manifold",
+            "geometry.no_self_intersection",
+            "cases.legal",
+            "counting.triangles",
+        ),
+        level=4,
+    ),
+)
+
+
+# Broken in how far their errors shrink, on the row of spheres of `isograde.fields.accuracy`.
+
+
+def accurate(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The reference, since `extract` takes minutes for so large a field."""
+    check(values, isovalue)
+    mesh = METHODS["asymptotic-decider"](Field.of(values, spacing), isovalue)
+    return mesh.vertices, mesh.simplices
+
+
+def halved(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """Every crossing in the middle of its edge."""
+    return accurate(np.where(values >= isovalue, 1.0, -1.0), 0.0, spacing)
+
+
+def lowered(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
+    """The isosurface of another value, half a spacing away."""
+    return accurate(values, isovalue - 0.5, spacing)
+
+
+def pieces_of(v: Floats, f: Integers) -> list[Integers]:
+    """The vertices of each connected piece."""
+    _, piece = components_of(len(v), np.concatenate([f[:, :2], f[:, 1:]]).T)
+    return [np.flatnonzero(piece == p) for p in range(piece.max() + 1)]
+
+
+def with_vertex_astray(v: Floats, f: Integers) -> Answer:
+    """One vertex of every piece half a spacing too high."""
+    v = v.copy()
+    for piece in pieces_of(v, f):
+        v[piece[v[piece, 2].argmax()], 2] += 0.5
+    return v, f
+
+
+def coarsened(v: Floats, f: Integers) -> Answer:
+    """Of each piece only the six vertices that are farthest along an axis, and their hull."""
+    faces = []
+    for piece in pieces_of(v, f):
+        ends = np.unique(piece[[*v[piece].argmin(axis=0), *v[piece].argmax(axis=0)]])
+        faces.append(ends[ConvexHull(v[ends]).simplices])
+    return v, np.concatenate(faces)
+
+
+def in_three_layers(v: Floats, f: Integers) -> Answer:
+    """Every face there, back and there again."""
+    return v, np.concatenate([f, f[:, ::-1], f])
+
+
+def half_turned(v: Floats, f: Integers) -> Answer:
+    """The faces that look upwards turned over."""
+    a, b, c = (v[f[:, k]] for k in range(3))
+    upwards = np.cross(b - a, c - a)[:, 2] > 0
+    return v, np.where(upwards[:, None], f[:, ::-1], f)
+
+
+ROUGH = (
+    Miniature(
+        "vertex astray",
+        changed(with_vertex_astray, accurate),
+        "accuracy.position",
+        ("accuracy.distance",),
+    ),
+    Miniature(
+        "halved edges",
+        halved,
+        "accuracy.normal",
+        tuple(f"accuracy.{name}" for name in ("position", "distance", "area", "curvature")),
+    ),
+    Miniature(
+        "coarsened",
+        changed(coarsened, accurate),
+        "accuracy.distance",
+        tuple(f"accuracy.{name}" for name in ("normal", "area", "volume", "curvature")),
+    ),
+    Miniature(
+        "three layers", changed(in_three_layers, accurate), "accuracy.area", ("accuracy.curvature",)
+    ),
+    Miniature(
+        "lowered",
+        lowered,
+        "accuracy.volume",
+        ("accuracy.position", "accuracy.distance", "accuracy.area"),
+    ),
+    Miniature(
+        "half turned",
+        changed(half_turned, accurate),
+        "accuracy.curvature",
+        ("accuracy.volume",),
     ),
 )

@@ -4,22 +4,30 @@ from functools import partial
 
 import numpy as np
 import pytest
+from isograde.claims import CLAIMS as EVERY_CLAIM
 from isograde.claims import (
+    accuracy,
     cases,
     counting,
+    cycles,
+    frequencies,
     geometry,
     robustness,
     structure,
     symmetry,
     topology,
+    trilinear,
 )
-from isograde.model import Case, Finding, Limits, Verdict
+from isograde.fields import accuracy as row
+from isograde.fields.trilinear_cells import far
+from isograde.model import Case, Claim, Finding, Limits, Verdict
 from isograde.runner import Task, Worker
 from isoref.field import Field
 
 from tests.isograde.miniatures import (
     BROKEN,
     CORRECT,
+    ROUGH,
     Inside,
     Miniature,
     apart,
@@ -29,7 +37,19 @@ from tests.isograde.miniatures import (
     together,
 )
 
-FAMILIES = (structure, topology, geometry, cases, counting, symmetry, robustness)
+FAMILIES = (
+    structure,
+    topology,
+    trilinear,
+    geometry,
+    cases,
+    cycles,
+    frequencies,
+    counting,
+    symmetry,
+    robustness,
+    accuracy,
+)
 CLAIMS = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}
 
 
@@ -51,6 +71,12 @@ def three_values(shape: tuple[int, int, int], seed: int) -> Field:
     return Field.of(np.random.default_rng(seed).integers(-1, 2, shape).astype(float))
 
 
+def tunnel(name: str) -> Field:
+    """A cell of configuration 12, with a tunnel or without it."""
+    with_it, without_it = far("12.1.2", 0)
+    return Field.of(with_it if name == "12.1.2" else without_it)
+
+
 def case(name: str, build: partial[Field], isovalue: float, *tags: str) -> Case:
     return Case(name, build, isovalue, build().values.size, frozenset(tags))
 
@@ -58,24 +84,28 @@ def case(name: str, build: partial[Field], isovalue: float, *tags: str) -> Case:
 CASES = {
     c.id: c
     for c in (
-        case("bordered", partial(noise, (4, 5, 4), 3), 0.13, "posed"),
-        case("closed", partial(closed_noise, (5, 4, 5), 1), 0.13),
+        case("bordered", partial(noise, (4, 5, 4), 3), 0.13, "posed", "noise"),
+        case("closed", partial(closed_noise, (5, 4, 5), 1), 0.13, "noise"),
         case("integers", partial(integers, (3, 4, 3), 2), 2.5, "posed"),
+        case("tunnel", partial(tunnel, "12.1.2"), 0.0, "trilinear"),
+        case("no-tunnel", partial(tunnel, "12.1.1"), 0.0, "trilinear"),
         case("ties", partial(three_values, (4, 4, 4), 3), 0.0, "ties"),
         case("ties-closed", partial(three_values, (4, 4, 4), 5), 0.0, "ties"),
     )
 }
 
 
-def grade(miniature: Miniature, asked: dict[str, Case]) -> dict[str, list[tuple[str, Finding]]]:
-    """What every claim says of every case, but for variants of cases that are not posed."""
+def grade(
+    miniature: Miniature, asked: dict[str, Case], claims: dict[str, Claim] = CLAIMS
+) -> dict[str, list[tuple[str, Finding]]]:
+    """What each claim says of every case, but for variants of cases that are not posed."""
     door = Inside(miniature)
-    worker = Worker(door, door.open(Limits()), asked, CLAIMS)
-    found: dict[str, list[tuple[str, Finding]]] = {name: [] for name in CLAIMS}
+    worker = Worker(door, door.open(Limits()), asked, claims)
+    found: dict[str, list[tuple[str, Finding]]] = {name: [] for name in claims}
     for c in asked.values():
         wanted = tuple(
             name
-            for name, claim in CLAIMS.items()
+            for name, claim in claims.items()
             if claim.applies_to(c) and ("posed" in c.tags or not claim.variants)
         )
         for name, finding in worker.judge(Task(c.id, wanted)).findings.items():
@@ -113,9 +143,40 @@ def test_a_broken_one_is_caught_by_its_claim_and_what_follows(miniature: Miniatu
     assert set(held) <= {miniature.breaks, *miniature.follows}, held
 
 
+@pytest.mark.parametrize(
+    "word", ["missing tunnel", "wrong face", "false tunnel", "non-manifold edge"]
+)
+def test_level_four_says_what_was_got_wrong(word: str) -> None:
+    """Issue of the trilinear cell: each of the four words, with the case it was got wrong in."""
+    miniature = next(m for m in BROKEN if m.name == word)
+    claims = {claim.id: claim for claim in trilinear.CLAIMS}
+    said = [finding for _, finding in grade(miniature, CASES, claims)["topology.trilinear"]]
+    wrong = [finding for finding in said if finding.verdict is Verdict.FAIL]
+    assert any(f"{word} in " in finding.detail for finding in wrong)
+    assert word in {fault for f in wrong for _, fault, _ in f.numbers["faults"]}
+
+
+SPHERES = {c.id: c for c in row.cases() if c.id == "accuracy/sphere"}
+
+
+@pytest.mark.parametrize("miniature", ROUGH, ids=lambda m: m.name)
+def test_an_inaccurate_one_is_caught_by_its_claim_and_what_follows(miniature: Miniature) -> None:
+    """On a row of spheres; every claim of accuracy has such a miniature."""
+    claims = {claim.id: claim for claim in accuracy.CLAIMS}
+    graded = grade(miniature, SPHERES, claims)
+    found = {name: finding.verdict for name, ((_, finding),) in graded.items()}
+    failed = {name for name, verdict in found.items() if verdict is Verdict.FAIL}
+    assert miniature.breaks in failed
+    assert failed <= {miniature.breaks, *miniature.follows}
+    assert set(found.values()) <= {Verdict.PASS, Verdict.FAIL}
+
+
 def test_every_claim_has_a_miniature_that_breaks_it() -> None:
-    """A claim that nothing can fail says nothing."""
-    assert {m.breaks for m in BROKEN} == set(CLAIMS)
+    """A claim that nothing can fail says nothing; and no family is left out here."""
+    surfaces = {name for name, claim in EVERY_CLAIM.items() if claim.discipline == "surfaces"}
+    # The miniatures of this one are in test_perfect_claim.
+    assert surfaces - set(CLAIMS) == {"cases.perfect"}
+    assert {m.breaks for m in (*BROKEN, *ROUGH)} == set(CLAIMS)
 
 
 def full_of_ties(seed: int) -> Field:

@@ -1,4 +1,4 @@
-"""Claims on where the vertices are.
+"""Claims on where the vertices and the triangles are.
 
 A vertex *stands on* a lattice edge when two of its index coordinates are whole numbers to within
 the tolerance (see `isograde.truths.lattice`).
@@ -23,6 +23,7 @@ from isograde.claims.evidence import (
 )
 from isograde.model import Claim, Finding, Trial
 from isograde.truths.lattice import SINGLE, Lattice, crossing_share
+from isograde.truths.self_intersections import self_intersections
 from isograde.truths.traces import signs_of
 
 
@@ -159,6 +160,25 @@ def linear_crossing(trial: Trial) -> Finding:
     )
 
 
+def no_self_intersection(trial: Trial) -> Finding:
+    """Pass when triangles meet in nothing but the vertices and edges that they share."""
+    lattice, surface = lattice_of(trial), surface_of(trial).welded()
+    pairs = self_intersections(surface.points, surface.faces)
+    # Sheets may touch at a tied sample, and fold where its crossings fall together.
+    corners = surface.points[surface.faces[pairs]].reshape(-1, 3)
+    pairs = pairs[~_beside_tie(lattice, corners).reshape(-1, 6).any(axis=1)]
+    if not len(pairs):
+        return passed(triangles=len(surface.faces))
+    one, other = surface.points[surface.faces[pairs[0]]].tolist()
+    return failed(
+        f"{len(pairs)} pairs of triangles meet in more than they share; the first are "
+        f"{[place(p) for p in one]} and {[place(p) for p in other]}",
+        pairs=len(pairs),
+        triangles=len(surface.faces),
+        first=[one, other],
+    )
+
+
 CLAIMS = (
     Claim(
         id="geometry.on_edges",
@@ -176,5 +196,16 @@ CLAIMS = (
         level=2,
         judge=on_triangles(linear_crossing),
         unless=frozenset({"on-edges", "linear-crossing"}),
+    ),
+    Claim(
+        id="geometry.no_self_intersection",
+        rule="Two triangles meet in nothing but the vertices and edges that they share.",
+        source="Guigue & Devillers 2003 (the test, here in exact arithmetic); a surface without "
+        "self-intersections is what 'manifold' means in space",
+        level=2,
+        judge=on_triangles(no_self_intersection),
+        weld="exact",
+        tags=frozenset({"trilinear", "cells", "pairs", "noise"}),
+        unless=frozenset({"embedded"}),
     ),
 )
