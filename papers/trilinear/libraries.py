@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from functools import partial
 
 import geometry
 from agreement import Agreement, Posed, agreement, implementations
@@ -24,24 +26,17 @@ LETTERS = {
 Mark = Callable[[Agreement, str], str]
 
 
-def compared(asked: Posed, limits: Sequence[int]) -> list[str]:
+def compared(asked: Posed, limits: Sequence[int], pool: Executor) -> list[str]:
     """A row for each implementation, the tables of cases, and the smallest failing cells."""
-    rows = []
-    for name in implementations():
-        print(f"agreement of {name}", flush=True)
-        rows.append(agreement(name, asked))
+    rows = list(pool.map(partial(agreement, asked=asked), implementations()))
     by_cells = [row for row in rows if not row.why_not and not row.why_not_cells]
-    smallest = [
-        small
-        for row in by_cells
-        if row.faults and not row.name.startswith("isoref")
-        for small in smallest_failures(row.name, limits)
-    ]
+    faulty = [row.name for row in by_cells if row.faults and not row.name.startswith("isoref")]
+    smallest = pool.map(partial(smallest_failures, limits=tuple(limits)), faulty)
     return [
         _summary(rows),
         _by_case(by_cells),
         _by_island([row for row in rows if not row.why_not]),
-        _smallest(smallest),
+        _smallest([small for found in smallest for small in found]),
     ]
 
 
@@ -180,27 +175,33 @@ and volume, 1 for normals and total mean curvature.
 """
 
 
-def beside_topology() -> list[str]:
+def beside_topology(pool: Executor) -> list[str]:
     """Distance to the level set, triangles, self-intersections; and orders of convergence."""
-    values = geometry.smooth_noise()
     names = [claim.id.split(".")[1] for claim in geometry.CLAIMS]
     near = [NEAR]
     far = [
         f"{ORDERS}| implementation | shape | {' | '.join(names)} |",
         f"| --- | --- | {' | '.join('---:' for _ in names)} |",
     ]
-    for name in implementations():
-        print(f"geometry of {name}", flush=True)
-        door = open_door(name)
-        try:
-            said = door.open(Limits(seconds=120))
-            near.append(_near_row(name, door, values))
-            far += _order_rows(name, geometry.orders(door, said), len(names))
-        except DoorError as error:
-            far.append(f"| {name} | not measured: {_first_line(error)} |{' |' * len(names)}")
-        finally:
-            door.close()
+    for near_row, order_rows in pool.map(_measured, implementations()):
+        near.append(near_row)
+        far += order_rows
     return ["\n".join(lines) + "\n" for lines in (near, far)]
+
+
+def _measured(name: str) -> tuple[str, list[str]]:
+    """The lines of one implementation: on smoothed noise, and its orders."""
+    columns = len(geometry.CLAIMS)
+    door = open_door(name)
+    try:
+        said = door.open(Limits(seconds=120))
+        near = _near_row(name, door, geometry.smooth_noise())
+        return near, _order_rows(name, geometry.orders(door, said), columns)
+    except DoorError as error:
+        why = f"| {name} | not measured: {_first_line(error)} |"
+        return why + " |" * 7, [why + " |" * columns]
+    finally:
+        door.close()
 
 
 def _near_row(name: str, door: geometry.Door, values: geometry.Floats) -> str:
