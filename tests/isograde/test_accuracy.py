@@ -10,9 +10,11 @@ from isograde.fields import accuracy as fields
 from isograde.model import Case, Declaration, Outcome, Status, Trial, Verdict
 from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
 from isograde.truths.halfedges import Surface
+from isograde.truths.shapes import shapes, smallest_angles
+from isograde.truths.trilinear_distance import distance, value_and_gradient
 from isoref.field import Field, Floats
 from isoref.methods import METHODS
-from scipy import stats
+from scipy import ndimage, stats
 
 CASES = {case.id: case for case in fields.cases()}
 CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS}
@@ -47,9 +49,9 @@ def test_linear_interpolation_has_the_formal_orders(case: Case) -> None:
 # What is done to the samples of the sphere, and the claims that catch it.
 BROKEN: dict[str, tuple[Callable[[Floats], Floats], set[str]]] = {
     # Vertices in the middle of edges: first order at best; the volume is right on average.
-    "midpoints": (np.sign, {"position", "normal", "area", "curvature"}),
+    "midpoints": (np.sign, {"position", "normal", "distance", "area", "curvature"}),
     # Half a spacing too large: the error of the volume shrinks with order 1 only.
-    "a shifted isovalue": (lambda v: v + 0.5, {"position", "area", "volume"}),
+    "a shifted isovalue": (lambda v: v + 0.5, {"position", "distance", "area", "volume"}),
 }
 
 
@@ -137,3 +139,37 @@ def test_part_of_a_row_is_not_judged() -> None:
     part = Case("accuracy/sphere/block", whole.case.build, 0.0, 8, whole.case.tags)
     made = Trial(part, whole.field, whole.declaration, whole.outcomes)
     assert set(verdicts(made).values()) == {Verdict.SKIP}
+
+
+def test_distances_are_those_of_a_plane_and_of_a_fine_mesh() -> None:
+    """Along Newton's way: exact for a plane; for a noisy field not below the nearest point's."""
+    rng = np.random.default_rng(0)
+    i, j, k = np.meshgrid(*[np.arange(6.0)] * 3, indexing="ij")
+    places = rng.uniform(2, 3, (50, 3))
+    found = distance(2 * i + j - 2 * k, 2.5, places)
+    np.testing.assert_allclose(found, np.abs(places @ [2, 1, -2] - 2.5) / 3, atol=1e-8)
+    values = rng.normal(size=(3, 3, 3))
+    fine = np.linspace(0, 2, 41)
+    grid = np.stack(np.meshgrid(fine, fine, fine, indexing="ij"), axis=-1).reshape(-1, 3)
+    level, slope = value_and_gradient(values, grid)
+    theirs = ndimage.map_coordinates(values, grid.T, order=1)
+    np.testing.assert_allclose(level, theirs, atol=1e-12)
+    near = grid[np.abs(level) < np.linalg.norm(slope, axis=1) * 0.05]
+    places = rng.uniform(0, 2, (30, 3))
+    found = distance(values, 0.0, places)
+    nearest = np.linalg.norm(places[:, None] - near, axis=2).min(axis=1)
+    arrived = np.isfinite(found)
+    assert arrived.sum() > 20
+    assert (found[arrived] > nearest[arrived] - 0.16).all()
+
+
+def test_shapes_are_those_of_trimesh() -> None:
+    """The smallest angle of each triangle by another hand."""
+    rng = np.random.default_rng(0)
+    points, faces = rng.normal(size=(30, 3)), np.arange(30).reshape(10, 3)
+    mine = smallest_angles(Surface.of(points, faces))
+    theirs = trimesh.triangles.angles(points[faces]).min(axis=1)
+    np.testing.assert_allclose(np.radians(mine), theirs)
+    thin = np.array([[0, 0, 0], [1, 0, 0], [1, 0.01, 0]])
+    both = Surface.of(np.concatenate([thin, np.eye(3)]), np.arange(6).reshape(2, 3))
+    assert shapes(both).thin == 0.5
