@@ -85,6 +85,12 @@ def how_many_cases(share: int) -> list[Table | str]:
     table.add("the same, mirror images as one", None, len(classes()))
     table.add("up to rotation alone", None, len(classes(mirror=False, exchange=False)))
     table.add("topologies of a cell with numbered corners", None, len(every_topology()))
+    named = [case_name(one) for one in classes(mirror=False)]
+    listed = set(PRINTED["names"]["list"])
+    table.add("names of cases in use", len(listed), len(set(named)))
+    table.add("names that are not ours, or ours that are no name", 0, len(listed ^ set(named)))
+    twice = sorted(name for name, number in Counter(named).items() if number > 1)
+    table.add("names of two classes", None, len(twice), note=", ".join(twice))
     faces = {(one.signs, one.faces) for one in every_topology()}
     table.add("signs and decisions on faces that can occur", None, len(faces))
     thirteen = {one.faces for one in every_topology() if all(one.faces)}

@@ -1,6 +1,7 @@
 """What the page on the trilinear interpolant says, checked on samples."""
 
 import json
+from collections import Counter
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
@@ -13,7 +14,7 @@ from isograde.fields.trilinear_cells import far, pair
 from isograde.model import Limits
 from isograde.truths.sheets import Fault
 from isograde.truths.trilinear import cells
-from isograde.truths.trilinear_cases import classes, every_topology
+from isograde.truths.trilinear_cases import case_name, classes, every_topology
 from isoref.cycles import cycles
 from numpy.typing import NDArray
 
@@ -51,6 +52,29 @@ def test_thirty_three_is_the_number_of_classes() -> None:
     """Chernyaev's title."""
     printed = json.loads((FOLDER / "printed.json").read_text(encoding="utf-8"))
     assert len(classes(mirror=False)) == printed["chernyaev"]["cases"]
+
+
+def test_every_name_in_use_is_one_class_but_12_2() -> None:
+    """Item by item: the names of software after Chernyaev, and the derived classes."""
+    printed = json.loads((FOLDER / "printed.json").read_text(encoding="utf-8"))
+    found = Counter(case_name(one) for one in classes(mirror=False))
+    assert set(found) == set(printed["names"]["list"])
+    assert {name: number for name, number in found.items() if number > 1} == {"12.2": 2}
+
+
+def test_whole_surfaces_are_counted_island_by_island(module: Callable[[str], Any]) -> None:
+    """The reference has the components and Euler characteristic of each island's truth."""
+    posing, whole = module("posing"), module("whole")
+    values = posing.targeted()[1][::300]
+    door = open_door(posing.REFERENCE)
+    door.open(Limits())
+    try:
+        good, _ = whole.right(door, values, whole.truth(values), 3)
+    finally:
+        door.close()
+    assert good.all()
+    joined, apart = whole.truth(np.stack(far("4.2", 0))).tolist()
+    assert joined != apart
 
 
 def test_the_three_discriminants_are_one_number() -> None:
@@ -148,7 +172,7 @@ def test_the_report_can_be_made_again(module: Callable[[str], Any], tmp_path: Pa
     """The tables that need no library and no volume."""
     reproduce = module("reproduce")
     table, cases, _ = reproduce.how_many_cases(share=200)
-    assert [row.ours for row in table.rows[:5]] == [33, 31, 57, 768, 620]
+    assert [row.ours for row in table.rows[:8]] == [33, 31, 57, 768, 32, 0, 1, 620]
     assert "| 13.5.2 | 3, 3+6 | 16 |" in cases
     checked = reproduce.checked_by_refinement(share=400)
     assert not checked.differing()
