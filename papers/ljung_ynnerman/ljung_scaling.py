@@ -231,16 +231,18 @@ def _extremes(side: int, k: float) -> Table:
 
 
 def figure_6(rows: Sequence[Counted], path: Path) -> None:
-    """Tests over the side of the volume, each seed a thin line, with the paper's slope."""
+    """Tests over the side of the volume, each seed a thin line, with fitted and paper's slopes."""
     from matplotlib import pyplot as plt
     from matplotlib.ticker import NullFormatter
 
     figure, axes = plt.subplots(1, 2, figsize=(10, 4))
     for of, colour in (("trisect", "tab:red"), ("xface", "tab:blue")):
         for panel, against in zip(axes, ("s", "n1"), strict=True):
+            border = int(of == "xface" and against == "s")
+            fitted = shown(exponent(rows, of, against, border=border, bend=against == "s"))
             for seed in sorted({row.seed for row in rows}):
                 own = [row for row in rows if row.seed == seed]
-                label = of if seed == rows[0].seed else None
+                label = f"{of}, slope {fitted}" if seed == rows[0].seed else None
                 x, y = ([getattr(row, name) for row in own] for name in (against, of))
                 panel.plot(x, y, "o-", color=colour, alpha=0.5, ms=3, lw=0.8, label=label)
     axes[0].set(xlabel="side of the volume (voxels)", ylabel="intersection tests")
@@ -272,6 +274,7 @@ def figure_5(rows: Sequence[Timed], path: Path) -> None:
         own = [[row for row in rows if row.s == s] for s in sizes]
         x = [np.median([row.n1 for row in some]) for some in own]
         y = [np.median([getattr(row, name) for row in some]) for some in own]
+        label = f"{label}, slope {shown(exponent(rows, name, 'n1'))}"
         panel.loglog(x, y, "o-", ms=4, label=label)
     panel.set(xlabel="triangles of the first surface", ylabel="processor seconds, this machine")
     panel.xaxis.set_minor_formatter(NullFormatter())

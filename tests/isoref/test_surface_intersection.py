@@ -107,6 +107,17 @@ class TestIndex:
         assert join_segments(surface_intersection(empty, full)) == []
         assert empty.histogram().tolist() == [125]
 
+    @pytest.mark.parametrize("apart", [0.125, 1e-12])
+    def test_parallel_planes_in_one_layer_of_voxels_are_tested_and_do_not_meet(
+        self, apart: float
+    ) -> None:
+        """Two triangles against two in each voxel of the layer; the other way finds nothing too."""
+        z = np.indices((5, 4, 6))[2].astype(float)
+        planes = Field.of(z - 2.5), Field.of(z - 2.5 - apart)
+        segments = surface_intersection(*surfaces(planes))
+        assert (segments.tests, len(segments.cells)) == (4 * 4 * 3, 0)
+        assert marching_faces.intersection_curves(*planes) == []
+
     def test_identical_surfaces_need_about_n_tests_and_meet_nowhere(self) -> None:
         """Appendix A: "two more or less identical surfaces leads to N intersection tests"."""
         surface, _ = surfaces(waves(12, 9.0))
