@@ -127,7 +127,18 @@ def vtk_contour_and_intersect(
     return _strips(meeting.GetOutputPort())
 
 
+def _noted(function: Extract, notes: str) -> Extract:
+    """The function, with these words in its declaration."""
+    function.declaration = {"notes": notes}  # type: ignore[attr-defined]
+    return function
+
+
 marching_faces = through_door(_reference(isoref.marching_faces))
 surface_intersection = through_door(_reference(isoref.surface_intersection))
-vtk = through_door(vtk_contour_twice)
-vtk_intersect = through_door(vtk_contour_and_intersect)
+vtk = through_door(_noted(vtk_contour_twice, "vtkContourFilter twice, vtkStripper"))
+vtk_intersect = through_door(
+    _noted(
+        vtk_contour_and_intersect,
+        "vtkContourFilter, vtkIntersectionPolyDataFilter, vtkStripper",
+    )
+)

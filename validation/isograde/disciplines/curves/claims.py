@@ -107,7 +107,7 @@ CLAIMS: tuple[Claim, ...] = (
     _claim(
         "identical",
         'who declares "identical": "nothing" finds no curve where both surfaces are the same',
-        0,
+        None,
         _identical,
         {"identical"},
         "Ljung & Ynnerman, appendix A: two identical surfaces lead to N intersection tests",
