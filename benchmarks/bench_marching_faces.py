@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import os
 import platform
 import resource
 from collections.abc import Callable
@@ -86,7 +87,8 @@ def main() -> None:
         "# Intersection curves, one thread",
         f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; random "
         f"waves, wave number {WAVE_NUMBER:g}; medians of {arguments.rounds} rounds, contestants in "
-        "turn. Only the ratios carry over.",
+        f"turn. Load {os.getloadavg()[0]:.0f} on {os.cpu_count()} processors when it began. Only "
+        "the ratios carry over.",
     ]
     for side in arguments.sides:
         parts.append(table(side, arguments.rounds))
