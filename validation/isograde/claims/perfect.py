@@ -26,6 +26,7 @@ from isograde.claims.evidence import (
 )
 from isograde.model import Claim, Finding, Outcome, Status, Trial, Verdict
 from isograde.truths import apart
+from isograde.truths.self_intersections import self_intersections
 
 VARIANT = "level"
 
@@ -56,7 +57,7 @@ def _judged(trial: Trial, outcome: Outcome) -> Finding:
     met = apart.together(places[used])
     if len(met):
         return _told(len(met), "points fall together with another", places[used[met[0, 0]]])
-    crossed = apart.crossing(places, faces)
+    crossed = self_intersections(places, faces)
     if len(crossed):
         where = places[faces[crossed[0, 0]]].mean(axis=0)
         return _told(len(crossed), "pairs of triangles cross or overlap", where)
@@ -78,7 +79,7 @@ CLAIMS = (
         id="cases.perfect",
         rule="Before its points are moved from the middle of their lattice edges, the surface of "
         "who declares a connectivity mode of VESTA is not degenerate: no triangle is without area, "
-        "no two points are at one place, and no two triangles of a cell cross or overlap.",
+        "no two points are at one place, and no two triangles cross or overlap.",
         source="Schlei 2010, sections III.B and IV: VESTA surfaces are perfect, prior to a move",
         level=2,
         judge=on_triangles(perfect),
