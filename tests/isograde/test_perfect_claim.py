@@ -149,14 +149,15 @@ def test_a_degenerate_surface_is_caught(told: str, mode: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("told", BROKEN)
-def test_no_other_claim_that_it_makes_catches_it(told: str) -> None:
+def test_of_the_other_claims_only_that_on_crossings_catches_it(told: str) -> None:
     """Its discs, edges and crossings are right, so this claim is needed."""
     run = changed(BROKEN[told], made(decide=miniatures.by_mean, cut=miniatures.star))
     made_claims = tuple(name for name, c in CLAIMS.items() if c.level is None or c.level <= 2)
     bad = {
         name for name, finding in findings(run, "mixed", made_claims) if finding.verdict not in FINE
     }
-    assert bad == {CLAIM}
+    crosses = {"geometry.no_self_intersection"} if told == "cross or overlap" else set()
+    assert bad - {*crosses} == {CLAIM}
 
 
 def test_who_declares_no_mode_is_not_judged() -> None:
