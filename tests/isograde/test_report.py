@@ -13,7 +13,7 @@ import jsonschema
 import numpy as np
 import pytest
 from isograde.grading import contrast, grade
-from isograde.model import LEVELS, Conventions, Declaration
+from isograde.model import LEVELS, Conventions, Declaration, Finding, Verdict
 from isograde.report import FORMATS, record, words, write, write_whole
 from isograde.report.badge import badge
 from isograde.report.comparison import changes, comparison_page, markdown_table
@@ -416,3 +416,13 @@ def test_every_format_writes_one_file_and_leaves_no_draft(report: Report, tmp_pa
     assert sorted(tmp_path.iterdir()) == sorted(written)
     write_whole(tmp_path / "name.md", "again")
     assert (tmp_path / "name.md").read_text(encoding="utf-8") == "again"
+
+
+def test_what_was_measured_is_kept_and_shown_though_it_passed() -> None:
+    """An order with its interval, and the shapes of triangles, which no claim judges."""
+    numbers = {"order": 2.0, "interval": [1.9, 2.1], "thin_triangles": 0.06}
+    judged = Judged("accuracy/sphere", {"accuracy.normal": Finding(Verdict.PASS, "", numbers)})
+    kept = record.result_record(judged)
+    assert kept["passed"] == ["accuracy.normal"]
+    assert kept["measured"] == {"accuracy.normal": numbers}
+    assert words.figures(numbers) == "order 2, interval 1.9 to 2.1, thin triangles 0.06"

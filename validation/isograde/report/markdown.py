@@ -18,6 +18,8 @@ def markdown(report: Report) -> str:
     if report.failures:
         parts.append("## What failed")
         parts += [_failure(report, summary) for summary in report.failures]
+    if report.measured:
+        parts.append(_measured(report))
     parts.append(_all_claims(report))
     parts.append(_run(report))
     return "\n\n".join(parts) + "\n"
@@ -51,6 +53,15 @@ def _failure(report: Report, summary: Summary) -> str:
         f"{words.counted(summary)}. Smallest: `{failure.case}`, {failure.samples} samples: "
         f"{failure.detail}.\n\n```sh\n{words.reproduce(report, summary)}\n```"
     )
+
+
+def _measured(report: Report) -> str:
+    """Every figure that was measured, in a folded table."""
+    lines = ["<details><summary>Measured</summary>", ""]
+    lines += ["| claim | case | figures |", "| --- | --- | --- |"]
+    for claim, case, numbers in report.measured:
+        lines.append(f"| `{claim}` | `{case}` | {words.figures(numbers)} |")
+    return "\n".join([*lines, "", "</details>"])
 
 
 def _all_claims(report: Report) -> str:

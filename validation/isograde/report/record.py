@@ -5,7 +5,8 @@ One JSON object a line, each with a `kind`, in this order:
 header    implementation and what it declares, versions, machine, seed, arguments
 claim     a line a claim: rule, source, level, whether it is held against the implementation
 case      a line a case, followed at once by its
-result    ids of the claims that passed, and every other finding with its numbers
+result    ids of the claims that passed, every other finding with its numbers, and the figures of
+          claims that measure an order, whatever the verdict
 evidence  for each failed claim the smallest case: samples, isovalue, the mesh that came
 footer    counts, the level reached and the claims withheld; a report without one was cut off
 
@@ -151,6 +152,11 @@ def result_record(judged: Judged) -> JSON:
             for name, finding in judged.findings.items()
             if finding.verdict is not Verdict.PASS
         ],
+        "measured": {
+            name: dict(finding.numbers)
+            for name, finding in judged.findings.items()
+            if "order" in finding.numbers
+        },
     }
 
 
@@ -488,6 +494,15 @@ class Report:
         """Claims that failed and are held against the implementation, then those that are not."""
         failed = [summary for summary in self.summaries.values() if summary.state == "fail"]
         return sorted(failed, key=lambda summary: not summary.claim["held"])
+
+    @property
+    def measured(self) -> list[tuple[str, str, JSON]]:
+        """Claim, case and figures of everything that was measured."""
+        return [
+            (claim, result["case"], numbers)
+            for result in self.results
+            for claim, numbers in result.get("measured", {}).items()
+        ]
 
     @property
     def broken(self) -> list[Summary]:

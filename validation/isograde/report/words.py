@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from shlex import quote
+from typing import Any
 
 from isograde.model import LEVELS
 from isograde.report.record import Report, Rung, Summary
@@ -64,6 +66,22 @@ def counted(summary: Summary) -> str:
     order = ("pass", "fail", "error", "crash", "timeout", "not run", "unsupported", "skip")
     parts = [f"{summary.counts[word]:,} {word}" for word in order if summary.counts[word]]
     return ", ".join(parts)
+
+
+def figures(numbers: Mapping[str, Any]) -> str:
+    """Figures in a line.
+
+    >>> figures({"order": 1.99, "interval": [1.9, 2.1], "finest_error": 0.00123456})
+    'order 1.99, interval 1.9 to 2.1, finest error 0.00123'
+    """
+    return ", ".join(f"{name.replace('_', ' ')} {_shown(value)}" for name, value in numbers.items())
+
+
+def _shown(value: Any) -> str:
+    """A figure to three digits; a range by its ends; anything else as it is."""
+    if isinstance(value, list):
+        return " to ".join(map(_shown, value))
+    return f"{value:.3g}" if isinstance(value, int | float) else str(value)
 
 
 def level_of(summary: Summary) -> str:
