@@ -246,6 +246,22 @@ def test_an_answer_that_depends_on_the_order_of_the_fields_is_otherwise_right() 
     assert set(found) == {"swapped"}
 
 
+def test_who_fails_only_when_the_fields_are_swapped_is_told_so() -> None:
+    """Even where there is no curve, so that no answer would be a right one."""
+    first = next(case for case in cases() if case.id == "curves/apart").build().values[0]
+
+    def extract_curves(a: Any, b: Any, *rest: Any) -> list[Points]:
+        if not np.array_equal(a, first):
+            raise ValueError("not this way round")
+        return list(reference(a, b, *rest))
+
+    findings = graded(extract_curves, ("apart",))
+    broken = {claim: found for (_, claim), found in findings.items() if found.verdict != "pass"}
+    assert set(broken) == {"curves.swapped"}
+    assert broken["curves.swapped"].verdict == "error"
+    assert broken["curves.swapped"].detail.startswith("swapped: ")
+
+
 def test_an_error_and_an_answer_of_the_wrong_shape_are_told_apart_from_failures() -> None:
     """An exception is an error; arrays of pairs are refused with their shape."""
 

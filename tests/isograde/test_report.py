@@ -345,7 +345,7 @@ def test_the_lines_that_show_a_failure_run_without_the_grader(
         ("vtk:flying-edges", "vtkFlyingEdges3D"),
         ("python:mine:extract", "from mine import extract as extract"),
         ("exec:./mine", None),
-        ("python:./mine.py:extract", None),
+        ("python:./mine.py:extract", 'run_path("./mine.py")'),
     ],
 )
 def test_an_implementation_is_called_as_its_users_call_it(spec: str, word: str | None) -> None:

@@ -57,6 +57,14 @@ def test_a_block_stands_where_it_stood() -> None:
     assert np.allclose(part.position([0, 0, 0]), whole.position([2, 1, 3]))
 
 
+def test_a_block_of_a_block_is_a_block_of_the_whole() -> None:
+    cases = all_cases(0)
+    inner = blocks.block(cases["noise/white-5x6x7"], ((1, 5), (0, 5), (2, 7)))
+    part = blocks.block(inner, ((2, 4), (1, 3), (0, 2)))
+    assert part.id == "noise/white-5x6x7[3:5,1:3,2:4]"
+    assert np.array_equal(part.build().values, cases[part.id].build().values)
+
+
 def test_a_block_is_graded_by_its_name() -> None:
     name = "ties/noise-05[0:3,2:4,4:6]"
     cases = all_cases(0)

@@ -46,7 +46,7 @@ def say(text: str) -> None:
 def close_to(name: str, names: Iterable[str]) -> str:
     """Which of the names may have been meant, or what there is.
 
-    >>> close_to("mane", ["name", "other"]), close_to("x", ["name", "other"])
+    >>> close_to("nmae", ["name", "other"]), close_to("x", ["name", "other"])
     ('did you mean name?', 'there are name, other')
     """
     known = list(names)

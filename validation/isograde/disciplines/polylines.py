@@ -90,18 +90,22 @@ def judged(
     read: Callable[[Trial], Polylines | None],
     d: int,
     kind: str,
+    variants: Iterable[str] = (),
 ) -> Callable[[Trial], Finding]:
     """`judge`, for polylines that `read` finds in a trial and that are well formed.
 
-    Otherwise the finding says how the call failed; where the polylines are not well formed, only
-    the claim of this name fails.
+    Otherwise the finding says which call failed, the plain one or a variant's, and how; where the
+    polylines are not well formed, only the claim of this name fails.
     """
 
     def decide(trial: Trial) -> Finding:
-        parts = read(trial)
-        if parts is None:
-            verdict = VERDICT_OF.get(trial.plain.status, Verdict.FAIL)
-            return Finding(verdict, complaint(trial.plain, d))
+        for way in ("plain", *variants):
+            outcome = trial.outcomes[way]
+            why = complaint(outcome, d)
+            if why:
+                detail = why if way == "plain" else f"{way}: {why}"
+                return Finding(VERDICT_OF.get(outcome.status, Verdict.FAIL), detail)
+        parts = read(trial) or []
         if name != "well-formed" and well_formed(parts, kind).verdict is Verdict.FAIL:
             return Finding(Verdict.NOT_RUN, f"the {kind}s are not well formed")
         return judge(parts, trial)

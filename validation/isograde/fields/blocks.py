@@ -40,7 +40,18 @@ def parse(name: str) -> tuple[str, Ranges] | None:
 
 
 def block(case: Case, ranges: Ranges) -> Case:
-    """The part of the case in these half-open ranges; nothing is known of its surface."""
+    """The part of the case in these half-open ranges; nothing is known of its surface.
+
+    A block of a block is named as a block of the whole.
+    """
+    if isinstance(case.build, partial) and case.build.func is cut:
+        whole, outer = case.build.args
+        return block(
+            whole,
+            tuple(
+                (a + start, a + stop) for (a, _), (start, stop) in zip(outer, ranges, strict=True)
+            ),
+        )
     named = ",".join(f"{start}:{stop}" for start, stop in ranges)
     samples = int(np.prod([stop - start for start, stop in ranges]))
     build = partial(cut, case, ranges)

@@ -68,7 +68,7 @@ def _claim(
         rule,
         source,
         level,
-        judged(name, judge, lambda trial: indexed(trial, "plain"), 2, "contour"),
+        judged(name, judge, lambda trial: indexed(trial, "plain"), 2, "contour", variants),
         tags=frozenset(tags),
         variants=variants,
         needs_mesh=False,

@@ -52,7 +52,7 @@ def _numbers(trial: Trial) -> dict[str, int]:
 
 
 def _variant(trial: Trial, name: str) -> Curves:
-    """The curves of a variant; none where the call failed."""
+    """The curves of a variant whose call did not fail."""
     return unstacked(trial.outcomes[name], 3) or []
 
 
@@ -71,7 +71,7 @@ def _claim(
         rule,
         source,
         level,
-        judged(name, judge, lambda trial: unstacked(trial.plain, 3), 3, "curve"),
+        judged(name, judge, lambda trial: unstacked(trial.plain, 3), 3, "curve", variants),
         tags=frozenset(tags),
         variants=variants,
         needs_mesh=False,

@@ -60,8 +60,11 @@ def _claim(
     """A claim about a well-formed mesh; not run where there is none."""
 
     def of_trial(trial: Trial) -> Finding:
-        if trial.plain.status is not Status.OK:
-            return Finding(VERDICT_OF.get(trial.plain.status, Verdict.FAIL), trial.plain.detail)
+        for way in ("plain", *variants):
+            outcome = trial.outcomes[way]
+            if outcome.status is not Status.OK:
+                detail = outcome.detail if way == "plain" else f"{way}: {outcome.detail}"
+                return Finding(VERDICT_OF.get(outcome.status, Verdict.FAIL), detail)
         form = well_formed(trial.plain, trial.field.dimension, trial.field.components)
         if name == "well-formed":
             return form
