@@ -426,3 +426,15 @@ def test_what_was_measured_is_kept_and_shown_though_it_passed() -> None:
     assert kept["passed"] == ["accuracy.normal"]
     assert kept["measured"] == {"accuracy.normal": numbers}
     assert words.figures(numbers) == "order 2, interval 1.9 to 2.1, thin triangles 0.06"
+
+
+def test_the_page_shows_what_was_measured_and_what_was_promised(tmp_path: Path) -> None:
+    only = ("accuracy/sphere", "accuracy.area")
+    made = grade("isoref:marching-vesta-connect-L", Options(only=only), tmp_path / "report.jsonl")
+    assert made.header["implementation"]["promises"] == {"connectivity": "connect"}
+    ((claim, case, numbers),) = made.measured
+    text = page(made)
+    _well_formed(text)
+    assert f"<td>{words.figures(numbers)}</td>" in text
+    assert "<tr><th>connectivity</th><td>connect</td></tr>" in text
+    assert (claim, case) == ("accuracy.area", "accuracy/sphere")

@@ -75,6 +75,11 @@ def header(spec: str, declaration: Declaration, options: Options, arguments: lis
             "discipline": declaration.discipline,
             "conventions": {name: getattr(conventions, name) for name in vars(conventions)},
             "without": sorted(declaration.without),
+            "promises": {
+                name: word
+                for name in ("connectivity", "identical")
+                if (word := getattr(declaration, name))
+            },
             "notes": declaration.notes,
         },
         "seed": options.seed,
