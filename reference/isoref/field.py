@@ -86,7 +86,10 @@ class Field:
         Traceback (most recent call last):
         isoref.field.FieldError: sample (0, 1) is nan; replace or crop samples that are not finite
         """
-        samples = np.asarray(values)
+        try:
+            samples = np.asarray(values)
+        except ValueError as error:
+            raise FieldError(f"rows of different lengths are no array: {error}") from None
         n = samples.ndim if dimension is None else dimension
         _check_samples(samples, n)
         steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, float), (n,))

@@ -13,6 +13,7 @@ from isoref.field import Field, FieldError
         ({"values": np.zeros((2, 0))}, "no samples"),
         ({"values": 3.0}, "rank 0"),
         ({"values": np.zeros((2, 2)), "dimension": 3}, "rank 2"),
+        ({"values": [[1.0, 2.0], [3.0]]}, "different lengths"),
         ({"values": ["a"]}, "not real numbers"),
         ({"values": [1j]}, "not real numbers"),
         ({"values": [1.0], "spacing": 0}, "positive"),

@@ -101,7 +101,7 @@ CLAIMS = (
         "mode: ambiguous faces separated, joined, or joined where the average of the four samples "
         "is inside; and fills each with a disc of its own.",
         source="Schlei 2010, sections II.C to II.F, Figs. 7, 12 and 13",
-        level=2,
+        level=None,
         judge=on_triangles(cycles),
         unless=frozenset({"on-edges", "welded"}),
     ),

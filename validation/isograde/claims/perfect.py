@@ -81,7 +81,7 @@ CLAIMS = (
         "who declares a connectivity mode of VESTA is not degenerate: no triangle is without area, "
         "no two points are at one place, and no two triangles cross or overlap.",
         source="Schlei 2010, sections III.B and IV: VESTA surfaces are perfect, prior to a move",
-        level=2,
+        level=None,
         judge=on_triangles(perfect),
         variants=(VARIANT,),
         unless=frozenset({"on-edges", "welded"}),
