@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from bench_extraction import gyroid
-from isograde.truths.halfedges import Surface
+from isograde.oracles.halfedges import Surface
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.methods import METHODS

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from isograde.fields.volumes import REGISTRY, find, read
+from isograde.cases.volumes import REGISTRY, find, read
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from scipy.ndimage import gaussian_filter

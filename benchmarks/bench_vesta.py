@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
-from isograde.fields.volumes import REGISTRY, find, read
+from isograde.cases.volumes import REGISTRY, find, read
 from isoref.diconex import diconex, diconex_plainly
 from isoref.field import Array, Field
 from isoref.methods import METHODS

@@ -133,7 +133,7 @@ def by_folder(modules: list[Path]) -> dict[str, tuple[str, ...]]:
     """Dotted names of modules, those of each folder under its name."""
     folders: dict[str, tuple[str, ...]] = {}
     for module in modules:
-        key = module.parent.name or "From door to report"
+        key = module.parent.name or "From adapter to report"
         folders[key] = (*folders.get(key, ()), ".".join(module.with_suffix("").parts))
     return folders
 

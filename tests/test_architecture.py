@@ -13,9 +13,9 @@ ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "reference" / "isoref"
 GRADER = ROOT / "validation" / "isograde"
 WORDS = {"isoref.field", "isoref.mesh"}
-# The doors and the command reach the reference as one more implementation; the proof takes a
+# The adapters and the command reach the reference as one more implementation; the proof takes a
 # rule of the reference as what it judges.
-MAY_REACH_THE_REFERENCE = {"doors", "command.py", "commands", "proof.py"}
+MAY_REACH_THE_REFERENCE = {"adapters", "command.py", "commands", "proof.py"}
 EXTRAS = (
     "mcubes",
     "vtk",
@@ -70,7 +70,7 @@ def test_the_reference_imports_nothing_of_the_grader() -> None:
 
 
 def test_the_grader_takes_two_words_from_the_reference() -> None:
-    """Design: `isograde` reaches `isoref` only through a door; field and mesh are vocabulary."""
+    """Design: `isograde` reaches `isoref` through adapters; field and mesh are words."""
     guilty = [
         (str(p.relative_to(GRADER)), m)
         for p in modules(GRADER)
@@ -90,7 +90,9 @@ def test_no_module_imports_itself_through_others(package: Path) -> None:
     tuple(TopologicalSorter(graph).static_order())  # Raises CycleError, which names the cycle.
 
 
-@pytest.mark.parametrize("module", ["isograde.command", "isograde.check", "isograde.doors.worker"])
+@pytest.mark.parametrize(
+    "module", ["isograde.command", "isograde.check", "isograde.adapters.worker"]
+)
 def test_help_and_check_wait_for_nothing_they_do_not_use(module: str) -> None:
     """A newcomer's first commands import neither SciPy nor what draws, writes or reads files."""
     program = f"import sys, {module}; print(*{{one.split('.')[0] for one in sys.modules}})"

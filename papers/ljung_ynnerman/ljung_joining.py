@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from isograde.oracles.space_curves import KNOWN
 from isograde.reproduction import Table
-from isograde.truths.space_curves import KNOWN
 from isoref import marching_faces, surface_intersection
 from isoref.curves import real_and_imaginary
 from isoref.field import Field

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from isograde.oracles.space_curves import phase_winding
 from isograde.reproduction import Table
-from isograde.truths.space_curves import phase_winding
 from isoref import marching_faces
 from isoref.curves import real_and_imaginary
 from isoref.plane_waves import Complex

@@ -19,8 +19,8 @@ import matplotlib.pyplot as plt
 import min_examples as examples
 import min_pictures as pictures
 import numpy as np
+from isograde.oracles import simplices as oracle
 from isograde.reproduction import Table, write_report
-from isograde.truths import simplices as truth
 from isoref.dyadic import Tree, dyadic_tree, section_of_leaves
 from isoref.field import Field
 from isoref.mesh import Mesh
@@ -63,7 +63,7 @@ def main() -> None:
 
 OPENING = """Made by `papers/min_2003/reproduce.py`. The modules are `isoref.kuhn`,
 `isoref.simplex_section`, `isoref.simplicial`, `isoref.dyadic` and `isoref.projection`; what is said
-of a mesh is counted by `isograde.truths.simplices`, which shares no code with them. Times are
+of a mesh is counted by `isograde.oracles.simplices`, which shares no code with them. Times are
 CPU times of one thread on the machine that made this report: compare rates, not milliseconds. The
 paper's are of a 2.2 GHz PC of 2003 in C++.
 """
@@ -145,10 +145,10 @@ def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
         for rule in ("staircase", "printed"):
             mesh = extract(field, rule=rule)
             box = [[0.0] * n, [N - 1.0 for N in shape]]
-            alone = truth.open_facets(mesh.vertices, mesh.simplices, box)
-            covered = int(truth.covered(mesh.vertices, alone).sum())
-            volume = float(truth.measures(mesh.vertices, mesh.simplices).sum())
-            every = len(truth.facets(mesh.simplices).owners)
+            alone = oracle.open_facets(mesh.vertices, mesh.simplices, box)
+            covered = int(oracle.covered(mesh.vertices, alone).sum())
+            volume = float(oracle.measures(mesh.vertices, mesh.simplices).sum())
+            every = len(oracle.facets(mesh.simplices).owners)
             rows.append(
                 [n, m, rule, len(mesh.simplices), every, len(alone), covered, f"{volume:.9g}"]
             )
@@ -320,8 +320,8 @@ def leaf(folder: Path, small: bool) -> Iterator[Table | str]:
         _, complex_ = from_tree(lifted, N)
         curve = to_mesh(complex_, tuple(lifted.spacing(N)), tuple(lifted.low))
         for name, mesh in (("in the plane", plane), ("lifted", curve)):
-            pieces = truth.components(mesh.simplices)
-            ends = int((truth.facets(mesh.simplices).owners == 1).sum())
+            pieces = oracle.components(mesh.simplices)
+            ends = int((oracle.facets(mesh.simplices).owners == 1).sum())
             rows.append([half, name, len(mesh.simplices), pieces, ends])
     for ax, mesh, title in zip(
         axes, (plane, curve), ("level set", "lifted, projected"), strict=True
@@ -363,10 +363,10 @@ def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
         if N == sizes[min(2, len(sizes) - 1)]:
             shown_at = N
             picture_of(folder, example, complex_, N)
-            euler = truth.euler_characteristic(complex_.simplices)
+            euler = oracle.euler_characteristic(complex_.simplices)
             box = [list(example.low), list(example.high)]
             mesh = to_mesh(complex_, tuple(example.spacing(N)), tuple(example.low))
-            holes = len(truth.open_facets(mesh.vertices, mesh.simplices, box))
+            holes = len(oracle.open_facets(mesh.vertices, mesh.simplices, box))
     surface = [TRIANGLE_BYTES * t for t in triangles]
     table = Table("Table 7: bytes of the lifted surface")
     for N, ours in zip(sizes, surface, strict=True):
@@ -460,10 +460,10 @@ def complex_circle(folder: Path, small: bool) -> Iterator[Table | str]:
     field = example.field(N - 1)
     mesh = extract(field)
     table = Table(f"Section 7.4: z1^2 + z2^2 = 1 on {N}^4 samples, a tube")
-    table.add("Euler characteristic", 0, truth.euler_characteristic(mesh.simplices))
-    table.add("pieces", 1, truth.components(mesh.simplices))
-    rim = truth.facets(mesh.simplices)
-    table.add("closed curves at its rim", 2, truth.components(rim.rows[rim.owners == 1]))
+    table.add("Euler characteristic", 0, oracle.euler_characteristic(mesh.simplices))
+    table.add("pieces", 1, oracle.components(mesh.simplices))
+    rim = oracle.facets(mesh.simplices)
+    table.add("closed curves at its rim", 2, oracle.components(rim.rows[rim.owners == 1]))
     yield table
     views = [("(x, y, p)", (0, 1, 2)), ("(x, y, q)", (0, 1, 3))]
     images = [(name, shaded(field, kept, (0.9, -0.7, 0.55))) for name, kept in views]
@@ -483,9 +483,9 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
         radius = np.linalg.norm(sphere.vertices, axis=1)
         off[N] = (sphere.vertices[:, 2], (radius - 0.75**0.5) / field.spacing[0] ** 2)
         worst.append(float(abs(radius - 0.75**0.5).max()))
-        area.append(float(abs(truth.measures(mesh.vertices, mesh.simplices).sum() - 3 * pi)))
+        area.append(float(abs(oracle.measures(mesh.vertices, mesh.simplices).sum() - 3 * pi)))
         height = float(abs(mesh.vertices[:, 3]).max())
-        euler = truth.euler_characteristic(mesh.simplices)
+        euler = oracle.euler_characteristic(mesh.simplices)
         rows.append([N, len(mesh.simplices), worst[-1], area[-1], height, euler])
         if N == sizes[-2]:
             image = shaded(field, (0, 1, 2), (0.9, -0.7, 0.55))

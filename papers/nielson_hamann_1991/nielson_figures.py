@@ -8,7 +8,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from isograde.fields import nielson_hamann
+from isograde.cases import nielson_hamann
 from isoref import asymptotic_decider as decider
 from isoref import lorensen_cline
 from isoref.cube import (

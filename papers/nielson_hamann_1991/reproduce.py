@@ -12,8 +12,8 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from isograde.fields import nielson_hamann
-from isograde.fields.volumes import REGISTRY, Volume, find, load
+from isograde.cases import nielson_hamann
+from isograde.cases.volumes import REGISTRY, Volume, find, load
 from isograde.frequencies import frequencies
 from isograde.reproduction import Table, write_report
 from isoref.asymptotic_decider import VARIANTS, saddle

@@ -18,7 +18,7 @@ import vesta_census as census
 import vesta_counts as counts
 import vesta_figures as figures
 import vesta_twelve as twelve
-from isograde.fields.volumes import REGISTRY, find, read
+from isograde.cases.volumes import REGISTRY, find, read
 from isograde.proof import prove
 from isograde.reproduction import Table, write_report
 from isoref.cube import configuration, is_exchanged

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import whole
-from isograde.doors import open_door, ready_made_names
-from isograde.model import Door, DoorError, Limits
-from isograde.truths.self_intersections import self_intersections
-from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_cases import case_names, every_topology
-from isograde.truths.trilinear_grid import active_cells
+from isograde.adapters import open_adapter, ready_made_names
+from isograde.model import Adapter, AdapterError, Limits
+from isograde.oracles.self_intersections import self_intersections
+from isograde.oracles.sheets import Fault, judge
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_cases import case_names, every_topology
+from isograde.oracles.trilinear_grid import active_cells
 from numpy.typing import NDArray
 from posing import (
     Floats,
@@ -80,46 +80,46 @@ def posed(share: int) -> Posed:
 
 def agreement(name: str, asked: Posed) -> Agreement:
     """The implementation's row."""
-    door, row = open_door(name), Agreement(name)
+    adapter, row = open_adapter(name), Agreement(name)
     try:
-        said = door.open(Limits(seconds=120))
+        said = adapter.open(Limits(seconds=120))
         row.version = said.version
         row.total = Counter(asked.names)
-        good, islands = whole.right(door, asked.values, asked.islands, side_of(name))
+        good, islands = whole.right(adapter, asked.values, asked.islands, side_of(name))
         row.whole = Counter(np.array(asked.names)[good].tolist())
         if "on-edges" in said.without:
             row.why_not_cells = "its vertices are not on the lattice's edges"
             row.crossing = len(self_intersections(islands.points, islands.faces))
         else:
-            _judge_cells(door, row, asked)
-    except DoorError as error:
+            _judge_cells(adapter, row, asked)
+    except AdapterError as error:
         row.why_not = str(error).splitlines()[0]
     finally:
-        door.close()
+        adapter.close()
     return row
 
 
-def _judge_cells(door: Door, row: Agreement, asked: Posed) -> None:
+def _judge_cells(adapter: Adapter, row: Agreement, asked: Posed) -> None:
     """What is true of the implementation cell by cell."""
     side = side_of(row.name)
-    found = faults(door, asked.values, side)
+    found = faults(adapter, asked.values, side)
     for case, fault in zip(asked.names, found, strict=True):
         row.right[case] += fault is Fault.NONE
         if fault is not Fault.NONE:
             row.faults[case, str(fault)] += 1
-    wild = faults(door, asked.random if side > 2 else asked.random[:1000], side)
+    wild = faults(adapter, asked.random if side > 2 else asked.random[:1000], side)
     row.random = (sum(f is Fault.NONE for f in wild), len(wild))
-    row.crowded = sum(crowded(door, pair) for pair in tunnel_pairs())
-    row.crossing = crossing(door, asked.values, side)
+    row.crowded = sum(crowded(adapter, pair) for pair in tunnel_pairs())
+    row.crossing = crossing(adapter, asked.values, side)
 
 
-def crossing(door: Door, values: Floats, side: int) -> int:
+def crossing(adapter: Adapter, values: Floats, side: int) -> int:
     """Pairs of triangles of one cell that meet in more than they share, over all the cells."""
     total = 0
     for start in range(0, len(values), side**3):
         block = values[start : start + side**3]
         padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
-        answer = surface(door, stacked(padded, side))
+        answer = surface(adapter, stacked(padded, side))
         middle = answer.points[answer.faces].mean(axis=1)
         here = ((middle - 1) % 3 <= 1).all(axis=1)
         total += len(self_intersections(answer.points, answer.faces[here]))
@@ -138,11 +138,11 @@ def noise_grids(number: int, size: int) -> Iterator[Floats]:
         yield rng.integers(64, 1024, (size,) * 3) / 1024 * rng.choice([-1, 1], (size,) * 3)
 
 
-def grids_of_noise(door: Door, number: int, size: int) -> tuple[int, int, int]:
+def grids_of_noise(adapter: Adapter, number: int, size: int) -> tuple[int, int, int]:
     """Over grids of noise: cells, wrong cells, grids with an edge of more than two triangles."""
     total = wrong = crowds = 0
     for values in noise_grids(number, size):
-        answer = surface(door, values)
+        answer = surface(adapter, values)
         index, corners = active_cells(values, 0.0)
         truths = cells(corners)
         found = judge(answer.points, answer.faces, index, truths, values.shape)
@@ -153,11 +153,11 @@ def grids_of_noise(door: Door, number: int, size: int) -> tuple[int, int, int]:
     return total, wrong, crowds
 
 
-def crossing_in_grids(door: Door, number: int, size: int) -> int:
+def crossing_in_grids(adapter: Adapter, number: int, size: int) -> int:
     """Pairs of triangles that meet in more than they share, over the first of these grids."""
     return sum(
         len(self_intersections(answer.points, answer.faces))
-        for answer in (surface(door, values) for values in noise_grids(number, size))
+        for answer in (surface(adapter, values) for values in noise_grids(number, size))
     )
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from isograde.fields.trilinear_cells import cell_of, far
-from isograde.truths.trilinear_cases import Topology, case_name, classes, exchanged
+from isograde.cases.trilinear_cells import cell_of, far
+from isograde.oracles.trilinear_cases import Topology, case_name, classes, exchanged
 from isoref.cube import EDGES
 from isoref.field import Field
 from isoref.mesh import Mesh

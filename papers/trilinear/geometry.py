@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import posing
 import pymeshlab
+from isograde.cases import accuracy
 from isograde.claims.accuracy import CLAIMS, PROBES
-from isograde.fields import accuracy
-from isograde.model import Case, Declaration, Door, Finding, Request, Trial
-from isograde.truths.halfedges import Surface
-from isograde.truths.self_intersections import self_intersections
-from isograde.truths.shapes import Shapes, shapes
-from isograde.truths.trilinear_distance import distance
+from isograde.model import Adapter, Case, Declaration, Finding, Request, Trial
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.self_intersections import self_intersections
+from isograde.oracles.shapes import Shapes, shapes
+from isograde.oracles.trilinear_distance import distance
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -54,9 +54,9 @@ class Geometry:
     triangles: int
 
 
-def measured(door: Door, values: Floats) -> Geometry:
+def measured(adapter: Adapter, values: Floats) -> Geometry:
     """The measures on one field."""
-    answer = posing.surface(door, values)
+    answer = posing.surface(adapter, values)
     probes = np.einsum("pk,fkd->pfd", PROBES, answer.points[answer.faces]).reshape(-1, 3)
     probes = probes[:: max(1, len(probes) // 30_000)]
     away = distance(values, 0.0, probes)
@@ -72,19 +72,19 @@ def measured(door: Door, values: Floats) -> Geometry:
     )
 
 
-def orders(door: Door, said: Declaration) -> dict[str, list[Finding]]:
+def orders(adapter: Adapter, said: Declaration) -> dict[str, list[Finding]]:
     """What each claim of accuracy says of the rows of spheres and of tori."""
     found: dict[str, list[Finding]] = {}
     for case in accuracy.cases():
-        trial = _trial(door, said, case)
+        trial = _trial(adapter, said, case)
         for claim in CLAIMS:
             if trial is not None and not claim.unless & said.without:
                 found.setdefault(claim.id, []).append(claim.judge(trial))
     return found
 
 
-def _trial(door: Door, said: Declaration, case: Case) -> Trial | None:
+def _trial(adapter: Adapter, said: Declaration, case: Case) -> Trial | None:
     """The case and its answer, where there is one."""
     field = case.build()
-    outcome = door.run(Request(case.id, "plain", field, case.isovalue))
+    outcome = adapter.run(Request(case.id, "plain", field, case.isovalue))
     return None if outcome.mesh is None else Trial(case, field, said, {"plain": outcome})

@@ -8,11 +8,11 @@ from functools import partial
 
 import geometry
 from agreement import Agreement, Posed, agreement, implementations
-from isograde.doors import open_door
-from isograde.fields.trilinear_cells import TUNNELS
-from isograde.model import DoorError, Finding, Limits
-from isograde.truths.sheets import Fault
-from isograde.truths.trilinear_cases import every_case
+from isograde.adapters import open_adapter
+from isograde.cases.trilinear_cells import TUNNELS
+from isograde.model import AdapterError, Finding, Limits
+from isograde.oracles.sheets import Fault
+from isograde.oracles.trilinear_cases import every_case
 from smallest import Smallest, smallest_failures
 
 LETTERS = {
@@ -192,23 +192,23 @@ def beside_topology(pool: Executor) -> list[str]:
 def _measured(name: str) -> tuple[str, list[str]]:
     """The lines of one implementation: on smoothed noise, and its orders."""
     columns = len(geometry.CLAIMS)
-    door = open_door(name)
+    adapter = open_adapter(name)
     try:
-        said = door.open(Limits(seconds=120))
-        near = _near_row(name, door, geometry.smooth_noise())
-        return near, _order_rows(name, geometry.orders(door, said), columns)
-    except DoorError as error:
+        said = adapter.open(Limits(seconds=120))
+        near = _near_row(name, adapter, geometry.smooth_noise())
+        return near, _order_rows(name, geometry.orders(adapter, said), columns)
+    except AdapterError as error:
         why = f"| {name} | not measured: {_first_line(error)} |"
         return why + " |" * 7, [why + " |" * columns]
     finally:
-        door.close()
+        adapter.close()
 
 
-def _near_row(name: str, door: geometry.Door, values: geometry.Floats) -> str:
+def _near_row(name: str, adapter: geometry.Adapter, values: geometry.Floats) -> str:
     """The line of one implementation on smoothed noise."""
     try:
-        found = geometry.measured(door, values)
-    except DoorError as error:
+        found = geometry.measured(adapter, values)
+    except AdapterError as error:
         return f"| {name} | not measured: {_first_line(error)} | | | | | | | |"
     return (
         f"| {name} | {found.mean:.4f} | {found.worst:.3f} | {found.astray:,} "
@@ -217,7 +217,7 @@ def _near_row(name: str, door: geometry.Door, values: geometry.Floats) -> str:
     )
 
 
-def _first_line(error: DoorError) -> str:
+def _first_line(error: AdapterError) -> str:
     """What went wrong, in a line that fits a table."""
     return str(error).splitlines()[0].replace("|", "/")
 

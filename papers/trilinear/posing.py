@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from isograde.fields import trilinear_cells
-from isograde.fields.trilinear_cells import TUNNELS
-from isograde.model import Door, DoorError, Request
-from isograde.truths.halfedges import Surface
-from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import cells
+from isograde.cases import trilinear_cells
+from isograde.cases.trilinear_cells import TUNNELS
+from isograde.model import Adapter, AdapterError, Request
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.sheets import Fault, judge
+from isograde.oracles.trilinear import cells
 from isoref.field import Field
 from numpy.typing import NDArray
 
@@ -46,22 +46,22 @@ def places(side: int) -> NDArray[np.int64]:
     return 1 + 3 * np.stack(np.unravel_index(np.arange(side**3), (side,) * 3), axis=1)
 
 
-def surface(door: Door, values: Floats) -> Surface:
-    """What the implementation answers, equal vertices made one. Raises `DoorError` for no mesh."""
-    outcome = door.run(Request("papers/trilinear", "plain", Field.of(values), 0.0))
+def surface(adapter: Adapter, values: Floats) -> Surface:
+    """What the implementation answers, equal vertices made one. Raises `AdapterError`."""
+    outcome = adapter.run(Request("papers/trilinear", "plain", Field.of(values), 0.0))
     if outcome.mesh is None:
-        raise DoorError(f"no mesh: {outcome.status}, {outcome.detail}")
+        raise AdapterError(f"no mesh: {outcome.status}, {outcome.detail}")
     return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
 
 
-def faults(door: Door, values: Floats, side: int = 10) -> list[Fault]:
+def faults(adapter: Adapter, values: Floats, side: int = 10) -> list[Fault]:
     """The fault of each of n cells (n, 2, 2, 2), in order."""
     found: list[Fault] = []
     for start in range(0, len(values), side**3):
         block = values[start : start + side**3]
         padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
         field = stacked(padded, side)
-        answer = surface(door, field)
+        answer = surface(adapter, field)
         judged = judge(answer.points, answer.faces, places(side), cells(padded), field.shape)
         found += judged[: len(block)]
     return found
@@ -86,9 +86,9 @@ def tunnel_pairs() -> Iterator[Floats]:
         yield trilinear_cells.pair(name, face, sign, 0)
 
 
-def crowded(door: Door, values: Floats) -> bool:
+def crowded(adapter: Adapter, values: Floats) -> bool:
     """Whether some edge of the answer has more than two triangles."""
-    return len(surface(door, values).crowded_edges) > 0
+    return len(surface(adapter, values).crowded_edges) > 0
 
 
 def line(n: int) -> NDArray[np.int64]:

@@ -19,15 +19,14 @@ import figures
 import libraries
 import numpy as np
 import posing
-from isograde.doors import open_door
-from isograde.fields.trilinear_cells import TUNNELS
-from isograde.fields.volumes import REGISTRY, find, read
+from isograde.adapters import open_adapter
+from isograde.cases.trilinear_cells import TUNNELS
+from isograde.cases.volumes import REGISTRY, find, read
 from isograde.model import Limits
-from isograde.reproduction import Table, write_report
-from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_by_refinement import UnresolvedError, refine
-from isograde.truths.trilinear_cases import (
+from isograde.oracles.sheets import Fault, judge
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
+from isograde.oracles.trilinear_cases import (
     case_name,
     case_names,
     classes,
@@ -35,15 +34,16 @@ from isograde.truths.trilinear_cases import (
     every_topology,
     representative,
 )
-from isograde.truths.trilinear_grid import active_cells, grid
+from isograde.oracles.trilinear_grid import active_cells, grid
+from isograde.reproduction import Table, write_report
 from isoref.field import Field
 from isoref.methods import METHODS
 
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
-"paper". The truth is `isograde.truths.trilinear`, its list of cases
-`isograde.truths.trilinear_cases`, the extractor `isoref.trilinear_cubes`. A guided
+"paper". The truth is `isograde.oracles.trilinear`, its list of cases
+`isograde.oracles.trilinear_cases`, the extractor `isoref.trilinear_cubes`. A guided
 reading is in `papers/trilinear/README.md`.
 """
 
@@ -195,28 +195,28 @@ def _grids_by_refinement(number: int) -> tuple[int, int]:
 def reference_agrees(share: int) -> Table:
     """isoref:trilinear-cubes beside the truth, at length."""
     table = Table("isoref:trilinear-cubes beside the truth")
-    door = open_door(posing.REFERENCE)
-    door.open(Limits(seconds=120))
+    adapter = open_adapter(posing.REFERENCE)
+    adapter.open(Limits(seconds=120))
     try:
         for title, values in (
             ("random cells", posing.random_cells(100_000 // share, 3)),
             ("targeted cells", posing.targeted()[1]),
         ):
-            right = sum(fault is Fault.NONE for fault in posing.faults(door, values))
+            right = sum(fault is Fault.NONE for fault in posing.faults(adapter, values))
             table.add(f"{title} right", len(values), right)
             some = values[: 10_000 // share]
-            crossing = agreement.crossing(door, some, posing.side_of(posing.REFERENCE))
+            crossing = agreement.crossing(adapter, some, posing.side_of(posing.REFERENCE))
             table.add(f"pairs of triangles that cross in {len(some):,} {title}", 0, crossing)
         grids = 2_000 // share
-        total, wrong, crowds = agreement.grids_of_noise(door, grids, 8)
+        total, wrong, crowds = agreement.grids_of_noise(adapter, grids, 8)
         table.add(f"cells of {grids:,} grids of 8^3 noise right", total, total - wrong)
         table.add("grids with an edge of more than two triangles", 0, crowds)
-        crossing = agreement.crossing_in_grids(door, grids // 10, 8)
+        crossing = agreement.crossing_in_grids(adapter, grids // 10, 8)
         table.add(f"pairs of triangles that cross in {grids // 10:,} of the grids", 0, crossing)
-        crowded = sum(posing.crowded(door, pair) for pair in posing.tunnel_pairs())
+        crowded = sum(posing.crowded(adapter, pair) for pair in posing.tunnel_pairs())
         table.add("pairs of tunnels with such an edge", 0, crowded)
     finally:
-        door.close()
+        adapter.close()
     return table
 
 

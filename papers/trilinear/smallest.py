@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import posing
-from isograde.doors import open_door
-from isograde.fields import trilinear_cells
-from isograde.fields.trilinear_cells import TUNNELS
-from isograde.model import Door, DoorError, Limits
-from isograde.truths.sheets import Fault
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_cases import case_names
+from isograde.adapters import open_adapter
+from isograde.cases import trilinear_cells
+from isograde.cases.trilinear_cells import TUNNELS
+from isograde.model import Adapter, AdapterError, Limits
+from isograde.oracles.sheets import Fault
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_cases import case_names
 
 DRAWN = 4000
 
@@ -51,24 +51,24 @@ def checkered_cells(limit: int, seed: int) -> posing.Floats:
 
 def smallest_failures(name: str, limits: Iterable[int] = range(2, 13)) -> list[Smallest]:
     """For each fault the implementation has, the cell of least numbers found."""
-    door = open_door(name)
+    adapter = open_adapter(name)
     best: dict[str, tuple[tuple[float, ...], Smallest]] = {}
     try:
-        if "on-edges" in door.open(Limits(seconds=120)).without:
+        if "on-edges" in adapter.open(Limits(seconds=120)).without:
             return []
         for limit in limits:
             for draw in (small_cells, checkered_cells):
-                _keep_smallest(name, door, draw, limit, best)
-    except DoorError:
+                _keep_smallest(name, adapter, draw, limit, best)
+    except AdapterError:
         return []
     finally:
-        door.close()
+        adapter.close()
     return [small for _, small in best.values()]
 
 
 def _keep_smallest(
     name: str,
-    door: Door,
+    adapter: Adapter,
     draw: Callable[[int, int], posing.Floats],
     limit: int,
     best: dict[str, tuple[tuple[float, ...], Smallest]],
@@ -77,7 +77,7 @@ def _keep_smallest(
     values = draw(limit, 0)
     truths = cells(values)
     names = case_names(truths)
-    for i, fault in enumerate(posing.faults(door, values, posing.side_of(name))):
+    for i, fault in enumerate(posing.faults(adapter, values, posing.side_of(name))):
         if fault is Fault.NONE or truths.ties[i] != NONE:
             continue
         flat = values[i].reshape(-1)

@@ -14,10 +14,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import posing
-from isograde.model import Door
-from isograde.truths.halfedges import Surface, components_of
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_grid import grid
+from isograde.model import Adapter
+from isograde.oracles.halfedges import Surface, components_of
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_grid import grid
 from numpy.typing import NDArray
 
 SIZE = 4
@@ -64,20 +64,20 @@ def found(answer: Surface, side: int) -> Ints:
     return np.stack([np.bincount(pieces, minlength=total), euler], axis=1)
 
 
-def answers(door: Door, values: posing.Floats, side: int) -> Iterator[tuple[Surface, int]]:
+def answers(adapter: Adapter, values: posing.Floats, side: int) -> Iterator[tuple[Surface, int]]:
     """What the implementation makes of the islands, and how many of them are cells of ours."""
     for start in range(0, len(values), side**3):
         block = values[start : start + side**3]
         padded = np.concatenate([block, np.full((side**3 - len(block), 2, 2, 2), -1.0)])
-        yield posing.surface(door, archipelago(padded, side)), len(block)
+        yield posing.surface(adapter, archipelago(padded, side)), len(block)
 
 
 def right(
-    door: Door, values: posing.Floats, wanted: Ints, side: int
+    adapter: Adapter, values: posing.Floats, wanted: Ints, side: int
 ) -> tuple[NDArray[np.bool_], Surface]:
     """(n,) islands with the true components and Euler characteristic; and the first answer."""
     made, kept = [], None
-    for answer, number in answers(door, values, side):
+    for answer, number in answers(adapter, values, side):
         kept = answer if kept is None else kept
         made.append(found(answer, side)[:number])
     assert kept is not None, "there are cells"

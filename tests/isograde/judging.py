@@ -4,13 +4,13 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
+from isograde.adapters.conventions import to_house
 from isograde.disciplines.registry import discipline
-from isograde.doors.conventions import to_house
 from isograde.model import (
+    Adapter,
     Case,
     Conventions,
     Declaration,
-    Door,
     Finding,
     Limits,
     Outcome,
@@ -21,7 +21,7 @@ from isograde.runner import Task, Worker
 
 
 class Here:
-    """A door to a function, as `through_door` makes it, that the tests trust not to crash."""
+    """An adapter to a function, as `through_adapter` makes it, trusted not to crash."""
 
     def __init__(self, function: Callable[[Any, float, tuple[float, ...]], Any], kind: str):
         self.function = function
@@ -38,7 +38,7 @@ class Here:
             answer = self.function(samples, request.isovalue, request.field.spacing)
         except NotImplementedError as error:
             return Outcome(Status.DECLINED, detail=str(error))
-        except Exception as error:  # noqa: BLE001 - as a door would
+        except Exception as error:  # noqa: BLE001 - as an adapter would
             return Outcome(Status.RAISED, detail=str(error))
         return to_house(Outcome(Status.OK, *answer), request, Conventions())
 
@@ -47,12 +47,12 @@ class Here:
 
 
 def grade(
-    door: Door, declaration: Declaration, asked: Iterable[Case]
+    adapter: Adapter, declaration: Declaration, asked: Iterable[Case]
 ) -> Iterator[tuple[str, str, Finding]]:
     """(case, claim, finding) of every claim of the discipline that applies to these cases."""
     told = discipline(declaration.discipline)
     cases = {case.id: case for case in asked}
-    worker = Worker(door, declaration, cases, told.claims, told.pose)
+    worker = Worker(adapter, declaration, cases, told.claims, told.pose)
     for case in cases.values():
         applying = tuple(claim.id for claim in told.claims.values() if claim.applies_to(case))
         for claim, finding in worker.judge(Task(case.id, applying)).findings.items():

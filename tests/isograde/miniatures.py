@@ -19,9 +19,9 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from isograde.doors.conventions import to_house
+from isograde.adapters.conventions import to_house
 from isograde.model import Conventions, Declaration, Limits, Outcome, Request, Status
-from isograde.truths.halfedges import components_of
+from isograde.oracles.halfedges import components_of
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.spatial import ConvexHull
@@ -266,7 +266,7 @@ class Miniature:
 
 
 class Inside:
-    """A door to a miniature in this very process."""
+    """An adapter to a miniature in this very process."""
 
     def __init__(self, miniature: Miniature) -> None:
         self.miniature = miniature
@@ -759,7 +759,7 @@ BROKEN = (
 )
 
 
-# Broken in how far their errors shrink, on the row of spheres of `isograde.fields.accuracy`.
+# Broken in how far their errors shrink, on the row of spheres of `isograde.cases.accuracy`.
 
 
 def accurate(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:

@@ -5,13 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import trimesh
+from isograde.cases import accuracy as fields
 from isograde.claims import accuracy
-from isograde.fields import accuracy as fields
 from isograde.model import Case, Declaration, Outcome, Status, Trial, Verdict
-from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
-from isograde.truths.halfedges import Surface
-from isograde.truths.shapes import shapes, smallest_angles
-from isograde.truths.trilinear_distance import distance, value_and_gradient
+from isograde.oracles.convergence import normal_error, observed_order, total_mean_curvature
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.shapes import shapes, smallest_angles
+from isograde.oracles.trilinear_distance import distance, value_and_gradient
 from isoref.field import Field, Floats
 from isoref.methods import METHODS
 from scipy import ndimage, stats

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from isograde.truths import apart
-from isograde.truths.apart import MARGIN, together, without_area
-from isograde.truths.self_intersections import self_intersections
+from isograde.oracles import apart
+from isograde.oracles.apart import MARGIN, together, without_area
+from isograde.oracles.self_intersections import self_intersections
 from isoref.cube import ambiguous_faces
 from isoref.field import Floats, Integers
 from isoref.marching_vesta import tile

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from isograde.truths.bilinear import saddle_sign, saddles
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import FACES, traces
+from isograde.oracles.bilinear import saddle_sign, saddles
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import FACES, traces
 from isoref.field import Field, Floats
 from scipy import ndimage
 

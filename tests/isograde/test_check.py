@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from isograde.adapters import export
 from isograde.check import Advice, check
-from isograde.doors import export
 from isograde.model import Request, Verdict
 from isoref.field import Field
 
@@ -91,7 +91,7 @@ def test_another_discipline_is_checked_by_its_smallest_cases() -> None:
     assert all("contours/" in sentence for _, sentence in said[1:])
 
 
-def test_an_unknown_discipline_is_told_at_the_door(tmp_path: Path) -> None:
+def test_an_unknown_discipline_is_told_at_the_adapter(tmp_path: Path) -> None:
     path = tmp_path / "odd.py"
     path.write_text("def f(*_): ...\nf.declaration = {'discipline': 'surface'}\n")
     ((verdict, sentence),) = check(f"python:{path}:f")

@@ -4,6 +4,8 @@ from functools import partial
 
 import numpy as np
 import pytest
+from isograde.cases import accuracy as row
+from isograde.cases.trilinear_cells import far
 from isograde.claims import CLAIMS as EVERY_CLAIM
 from isograde.claims import (
     accuracy,
@@ -18,8 +20,6 @@ from isograde.claims import (
     topology,
     trilinear,
 )
-from isograde.fields import accuracy as row
-from isograde.fields.trilinear_cells import far
 from isograde.model import Case, Claim, Finding, Limits, Verdict
 from isograde.runner import Task, Worker
 from isoref.field import Field
@@ -99,8 +99,8 @@ def grade(
     miniature: Miniature, asked: dict[str, Case], claims: dict[str, Claim] = CLAIMS
 ) -> dict[str, list[tuple[str, Finding]]]:
     """What each claim says of every case, but for variants of cases that are not posed."""
-    door = Inside(miniature)
-    worker = Worker(door, door.open(Limits()), asked, claims)
+    adapter = Inside(miniature)
+    worker = Worker(adapter, adapter.open(Limits()), asked, claims)
     found: dict[str, list[tuple[str, Finding]]] = {name: [] for name in claims}
     for c in asked.values():
         wanted = tuple(

@@ -12,10 +12,10 @@ import psutil
 import pytest
 import trimesh
 from isograde import command
+from isograde.adapters import ready_made_names
 from isograde.command import app
 from isograde.commands import grading
 from isograde.disciplines.registry import ALL_CLAIMS as CLAIMS
-from isograde.doors import ready_made_names
 from isograde.report import record
 from typer.testing import CliRunner, Result
 
@@ -146,7 +146,7 @@ def test_every_claim_is_explained(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("door", "words"),
+    ("adapter", "words"),
     [
         ("python", "function(values, isovalue, spacing)"),
         ("exec", "An answer returns the ``id`` of its request"),
@@ -154,8 +154,8 @@ def test_every_claim_is_explained(name: str) -> None:
         ("declaration", "linear-crossing"),
     ],
 )
-def test_the_ways_in_are_explained(door: str, words: str) -> None:
-    assert words in run("explain", door).output
+def test_the_ways_in_are_explained(adapter: str, words: str) -> None:
+    assert words in run("explain", adapter).output
 
 
 def test_lists_name_everything() -> None:
@@ -284,7 +284,7 @@ def test_a_fault_of_the_command_is_not_taken_for_a_claim_that_fails(
     assert left.value.code == 70
 
 
-def test_check_tells_what_a_door_does_and_why_another_does_not_open() -> None:
+def test_check_tells_what_a_adapter_does_and_why_another_does_not_open() -> None:
     good, bad = run("check", "isoref:asymptotic-decider"), run("check", "absent")
     assert good.exit_code == 0
     assert "claims level" in good.output

@@ -9,18 +9,18 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from isograde.adapters import contour_methods as methods
+from isograde.adapters import open_adapter
 from isograde.disciplines import contours as discipline
 from isograde.disciplines.contours import CLAIMS, Extract, cases
-from isograde.doors import contour_methods as methods
-from isograde.doors import open_door
 from isograde.model import (
     Declaration,
     Finding,
     Limits,
     Verdict,
 )
-from isograde.truths import planar
-from isograde.truths.planar import Points
+from isograde.oracles import planar
+from isograde.oracles.planar import Points
 from isoref import diconex as reference
 from isoref.field import Field
 from matplotlib.path import Path
@@ -45,7 +45,7 @@ def graded(
     return {
         (a, b): finding
         for a, b, finding in grade(
-            Here(discipline.through_door(function), "contours"), declaration, asked
+            Here(discipline.through_adapter(function), "contours"), declaration, asked
         )
     }
 
@@ -71,9 +71,9 @@ def test_the_libraries_pass_all_but_the_bilinear_claim(name: str) -> None:
 
 
 def test_a_contour_without_points_is_refused() -> None:
-    """It would go through the door as nothing at all."""
+    """It would go through the adapter as nothing at all."""
     with pytest.raises(TypeError, match=r"contour 1 has shape \(0, 2\)"):
-        discipline.through_door(lambda *_: [np.eye(2), np.empty((0, 2))])(np.eye(2), 0.5, (1, 1))
+        discipline.through_adapter(lambda *_: [np.eye(2), np.empty((0, 2))])(np.eye(2), 0.5, (1, 1))
 
 
 def test_a_bilinear_decider_passes_everything() -> None:
@@ -207,15 +207,15 @@ def test_an_error_is_told_as_an_error() -> None:
 
 
 @pytest.mark.parametrize("name", ["contours:skimage", "contours:diconex-mixed"])
-def test_ready_made_implementations_start_behind_a_door(name: str) -> None:
+def test_ready_made_implementations_start_behind_a_adapter(name: str) -> None:
     """The adapters answer from a process of their own."""
-    door = open_door(discipline.READY_MADE[name])
+    adapter = open_adapter(discipline.READY_MADE[name])
     try:
-        declaration = door.open(Limits())
+        declaration = adapter.open(Limits())
         asked = [case for case in cases() if case.id == "contours/disc"]
-        found = [finding.verdict for *_, finding in grade(door, declaration, asked)]
+        found = [finding.verdict for *_, finding in grade(adapter, declaration, asked)]
     finally:
-        door.close()
+        adapter.close()
     assert declaration.discipline == "contours"
     assert set(found) == {Verdict.PASS}
 
@@ -232,13 +232,13 @@ def extract_contours(values, isovalue, spacing):
 def test_a_third_party_s_function_is_graded_as_it_stands(tmp_path: pathlib.Path) -> None:
     """The signature of the discipline, a declaration, and nothing else."""
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
-    door = open_door(f"python:{tmp_path / 'mine.py'}:extract_contours")
+    adapter = open_adapter(f"python:{tmp_path / 'mine.py'}:extract_contours")
     try:
-        declaration = door.open(Limits())
+        declaration = adapter.open(Limits())
         asked = [case for case in cases() if case.id in ("contours/disc", "contours/constant")]
-        found = [finding.verdict for *_, finding in grade(door, declaration, asked)]
+        found = [finding.verdict for *_, finding in grade(adapter, declaration, asked)]
     finally:
-        door.close()
+        adapter.close()
     assert declaration.name == "mine"
     assert set(found) == {Verdict.PASS}
 

@@ -7,13 +7,13 @@ from typing import Any
 import isoref.marching_faces
 import numpy as np
 import pytest
+from isograde.adapters import curve_methods, open_adapter
 from isograde.disciplines import curves as discipline
 from isograde.disciplines.curves import CLAIMS, Extract, cases, known_curves
 from isograde.disciplines.curves.cases import COARSE
 from isograde.disciplines.polylines import complaint, unstacked
-from isograde.doors import curve_methods, open_door
 from isograde.model import Declaration, Finding, Limits, Request
-from isograde.truths.space_curves import Points, is_closed
+from isograde.oracles.space_curves import Points, is_closed
 from isoref.field import Field
 from isoref.marching_faces import FaceRule, intersection_curves
 
@@ -28,7 +28,7 @@ def graded(
     """Every finding on this function, by case and claim; on some cases only, by their names."""
     asked = [case for case in cases() if not only or case.id.removeprefix("curves/") in only]
     declaration = Declaration("here", discipline="curves", identical=identical)
-    findings = grade(Here(discipline.through_door(function), "curves"), declaration, asked)
+    findings = grade(Here(discipline.through_adapter(function), "curves"), declaration, asked)
     return {(case, claim): finding for case, claim, finding in findings}
 
 
@@ -55,15 +55,15 @@ def changed(change: Change) -> Extract:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["curves:marching-faces", "curves:surface-intersection"])
-def test_the_reference_passes_everything_through_a_real_door(name: str) -> None:
+def test_the_reference_passes_everything_through_a_real_adapter(name: str) -> None:
     """Both methods of the paper, each in a process of its own."""
-    door = open_door(discipline.READY_MADE[name])
-    declaration = door.open(Limits())
+    adapter = open_adapter(discipline.READY_MADE[name])
+    declaration = adapter.open(Limits())
     try:
         assert declaration.discipline == "curves"
-        findings = list(grade(door, declaration, cases()))
+        findings = list(grade(adapter, declaration, cases()))
     finally:
-        door.close()
+        adapter.close()
     assert {claim for _, claim, _ in findings} == {claim.id for claim in CLAIMS}
     assert [f for f in findings if f[2].verdict != "pass"] == []
 
@@ -82,13 +82,13 @@ def extract_curves(values_a, values_b, isovalue_a, isovalue_b, spacing):
 def test_a_third_party_s_function_is_graded_as_it_stands(tmp_path: Path) -> None:
     """The signature of the discipline, a declaration, and nothing else."""
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
-    door = open_door(f"python:{tmp_path / 'mine.py'}:extract_curves")
-    declaration = door.open(Limits())
+    adapter = open_adapter(f"python:{tmp_path / 'mine.py'}:extract_curves")
+    declaration = adapter.open(Limits())
     asked = [case for case in cases() if case.id in ("curves/two-isovalues", "curves/apart")]
     try:
-        findings = list(grade(door, declaration, asked))
+        findings = list(grade(adapter, declaration, asked))
     finally:
-        door.close()
+        adapter.close()
     assert declaration.name == "mine"
     assert len(findings) > 5
     assert {finding.verdict for *_, finding in findings} == {"pass"}
@@ -273,7 +273,7 @@ def test_an_error_and_an_answer_of_the_wrong_shape_are_told_apart_from_failures(
 
     case, field = cases()[0], cases()[0].build()
     for function, word in ((raises, "no licence"), (flat, "(3, 2)")):
-        outcome = Here(discipline.through_door(function), "curves").run(
+        outcome = Here(discipline.through_adapter(function), "curves").run(
             Request(case.id, "plain", field, 0.0)
         )
         assert unstacked(outcome, 3) is None

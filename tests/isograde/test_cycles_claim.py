@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
+from isograde.adapters.declaring import declaration_from, declaration_json
+from isograde.adapters.ready_made import READY_MADE
 from isograde.claims import cycles as family
-from isograde.doors.declaring import declaration_from, declaration_json
-from isograde.doors.ready_made import READY_MADE
 from isograde.model import Case, Declaration, Finding, Limits, Outcome, Request, Status, Trial
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
@@ -62,9 +62,9 @@ MINIATURES: dict[str, Callable[..., bool]] = {
 @pytest.mark.parametrize("mode", family.MODES)
 def test_other_hands_pass_too(mode: str) -> None:
     """The plain extractor of the tests, which shares no code with VESTA."""
-    door = Inside(Miniature(mode, miniatures.made(decide=MINIATURES[mode])))
-    door.open(Limits())
-    outcome = door.run(Request("noise", "plain", noise(), 0.1))
+    adapter = Inside(Miniature(mode, miniatures.made(decide=MINIATURES[mode])))
+    adapter.open(Limits())
+    outcome = adapter.run(Request("noise", "plain", noise(), 0.1))
     assert outcome.vertices is not None
     assert outcome.faces is not None
     assert judged(outcome.vertices, outcome.faces, mode).verdict == "pass"
@@ -120,7 +120,7 @@ def test_ties_are_not_judged() -> None:
 
 
 def test_a_mode_is_declared_as_json() -> None:
-    """Every door can carry it; a mode that does not exist is refused."""
+    """Every adapter can carry it; a mode that does not exist is refused."""
     declared = Declaration("mine", connectivity="mixed")
     assert declaration_from(declaration_json(declared), "other") == declared
     with pytest.raises(Exception, match="'both' is not one of"):

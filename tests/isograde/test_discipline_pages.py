@@ -21,25 +21,25 @@ import numpy as np
 
 
 def contours(values, isovalue, spacing):
-    from isograde.doors.contour_methods import _reference
+    from isograde.adapters.contour_methods import _reference
     return [line[:-1] for line in _reference("mixed")(values, isovalue, spacing)]
 
 
 def curves(a, b, isovalue_a, isovalue_b, spacing):
-    from isograde.doors.curve_methods import _reference
+    from isograde.adapters.curve_methods import _reference
     from isoref import marching_faces
     found = _reference(marching_faces)(a, b, isovalue_a, isovalue_b, spacing)
     return [line[: max(2, len(line) - 1)] for line in found]
 
 
 def simplices(values, spacing):
-    from isograde.doors.simplex_methods import isoref_simplices
+    from isograde.adapters.simplex_methods import isoref_simplices
     vertices, rows = isoref_simplices(values, spacing)
     return vertices, rows[:-1]
 
 
 def by_the_first_axis(values, isovalue, spacing):
-    from isograde.doors.contour_methods import _reference
+    from isograde.adapters.contour_methods import _reference
     tall = values.shape[0] > values.shape[1]
     return _reference("mixed")(values, isovalue, spacing) if tall else []
 

@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.disciplines import simplices
-from isograde.disciplines.simplices import CLAIMS, READY_MADE, cases
-from isograde.doors import simplex_methods
-from isograde.doors.simplex_methods import (
+from isograde.adapters import simplex_methods
+from isograde.adapters.simplex_methods import (
     isoref_printed_tables,
     isoref_simplices,
     skimage_measure,
     vtk_kuhn,
 )
+from isograde.disciplines import simplices
+from isograde.disciplines.simplices import CLAIMS, READY_MADE, cases
 from isograde.model import Case, Declaration, Limits, Outcome, Request, Status, Verdict
-from isograde.truths import simplices as truth
-from isograde.truths.known_manifolds import MANIFOLDS
+from isograde.oracles import simplices as oracle
+from isograde.oracles.known_manifolds import MANIFOLDS
 
 from tests.isograde.judging import Here, grade
 
@@ -26,8 +26,8 @@ Simplices = Callable[[Any, tuple[float, ...]], Any]
 
 
 def here(function: Simplices) -> Here:
-    """A door to the function."""
-    return Here(simplices.through_door(function), "simplices")
+    """An adapter to the function."""
+    return Here(simplices.through_adapter(function), "simplices")
 
 
 def verdicts(function: Simplices, asked: Iterable[Case]) -> dict[str, set[Verdict]]:
@@ -81,8 +81,8 @@ def test_libraries_pass_where_they_answer_and_decline_elsewhere(library: str) ->
     pytest.importorskip(MODULES.get(library, library))
     method = getattr(simplex_methods, library.replace("-", "_"))
     asked = [CASES[name] for name in LIBRARY_CASES]
-    door = Here(method, "simplices")
-    for case, claim, finding in grade(door, DECLARATION, asked):
+    adapter = Here(method, "simplices")
+    for case, claim, finding in grade(adapter, DECLARATION, asked):
         field = next(one for one in asked if one.id == case).build()
         answers = (field.dimension, field.components) in KINDS[library]
         assert finding.verdict is (Verdict.PASS if answers else Verdict.UNSUPPORTED), (case, claim)
@@ -94,7 +94,7 @@ def test_vtk_finds_the_same_set_in_kuhns_tetrahedra(case: str, m: int) -> None:
     pytest.importorskip("vtk")
     values, h = MANIFOLDS[case].sample(17)
     ours, peer = isoref_simplices(values, (h,) * 3), vtk_kuhn(values, (h,) * 3)
-    areas = [truth.measures(vertices, rows).sum() for vertices, rows in (ours, peer)]
+    areas = [oracle.measures(vertices, rows).sum() for vertices, rows in (ours, peer)]
     assert areas[0] == pytest.approx(areas[1], rel=1e-9)
     if m == 1:
         assert len(ours[1]) == len(peer[1])
@@ -106,10 +106,10 @@ def test_vertices_on_tied_samples_count_as_one_up_to_rounding() -> None:
     values = np.array([[[0, 1, 1], [1, 0, 1]], [[-1, 0, 0], [-1, 1, 1]]], float)
     vertices, triangles = skimage_measure(values[None], (1.0, 1.0, 1.0))
     box = [[0.0, 0.0, 0.0], [1.0, 1.0, 2.0]]
-    apart = truth.joined(vertices.astype(float), triangles.astype(np.int64), 0.0)
-    assert len(truth.open_facets(*apart, box)) == 2
-    one = truth.joined(vertices.astype(float), triangles.astype(np.int64), 1e-6)
-    assert len(truth.open_facets(*one, box)) == 0
+    apart = oracle.joined(vertices.astype(float), triangles.astype(np.int64), 0.0)
+    assert len(oracle.open_facets(*apart, box)) == 2
+    one = oracle.joined(vertices.astype(float), triangles.astype(np.int64), 1e-6)
+    assert len(oracle.open_facets(*one, box)) == 0
 
 
 def broken(change: Callable[[Any, Any], Any]) -> Simplices:
@@ -119,7 +119,7 @@ def broken(change: Callable[[Any, Any], Any]) -> Simplices:
 
 def largest(vertices: Any, simplices: Any) -> int:
     """The number of the largest simplex, which is not flat and not on the border."""
-    return int(truth.measures(vertices, simplices).argmax())
+    return int(oracle.measures(vertices, simplices).argmax())
 
 
 def doubled(vertices: Any, simplices: Any) -> Any:
@@ -207,22 +207,22 @@ def test_an_implementation_that_raises_is_an_error_not_a_pass() -> None:
         def run(self, request: Request) -> Outcome:
             return Outcome(Status.RAISED, detail="ValueError: no")
 
-    door = Raising(simplices.through_door(isoref_simplices), "simplices")
-    said = {f.verdict for _, _, f in grade(door, DECLARATION, [CASES["circle"]])}
+    adapter = Raising(simplices.through_adapter(isoref_simplices), "simplices")
+    said = {f.verdict for _, _, f in grade(adapter, DECLARATION, [CASES["circle"]])}
     assert said == {Verdict.ERROR}
 
 
-def test_ready_made_names_go_through_a_real_door() -> None:
-    """`python:` doors find the functions, in a process of their own."""
-    from isograde.doors import open_door
+def test_ready_made_names_go_through_a_real_adapter() -> None:
+    """`python:` adapters find the functions, in a process of their own."""
+    from isograde.adapters import open_adapter
 
-    door = open_door(READY_MADE["simplices:reference"])
-    declaration = door.open(Limits())
+    adapter = open_adapter(READY_MADE["simplices:reference"])
+    declaration = adapter.open(Limits())
     try:
         assert declaration.discipline == "simplices"
-        found = list(grade(door, declaration, [CASES["circle-in-space"]]))
+        found = list(grade(adapter, declaration, [CASES["circle-in-space"]]))
     finally:
-        door.close()
+        adapter.close()
     assert {finding.verdict for _, _, finding in found} == {Verdict.PASS}
 
 

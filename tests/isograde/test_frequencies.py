@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 import pytest
+from isograde.cases import nielson_hamann
 from isograde.claims import CLAIMS
 from isograde.claims import frequencies as family
-from isograde.fields import nielson_hamann
 from isograde.frequencies import ROWS, configuration, frequencies
 from isograde.model import (
     Case,
@@ -185,8 +185,8 @@ def by_miniature(miniature: Miniature) -> set[Verdict]:
     cases = {
         name: Case(name, partial(fields.__getitem__, name), levels[name], 125) for name in fields
     }
-    door = Inside(miniature)
-    worker = Worker(door, door.open(Limits()), cases, CLAIMS)
+    adapter = Inside(miniature)
+    worker = Worker(adapter, adapter.open(Limits()), cases, CLAIMS)
     wanted = (CLAIM.id,)
     return {worker.judge(Task(name, wanted)).findings[wanted[0]].verdict for name in cases}
 

@@ -7,7 +7,7 @@ import numpy as np
 import pymeshlab
 import pytest
 import trimesh
-from isograde.truths.halfedges import Surface, _sorted_pairs
+from isograde.oracles.halfedges import Surface, _sorted_pairs
 from isoref.field import Floats, Integers
 from skimage import measure
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from isograde.truths.lattice import FAR, Lattice, crossing_share
+from isograde.oracles.lattice import FAR, Lattice, crossing_share
 from isoref.field import Field
 
 

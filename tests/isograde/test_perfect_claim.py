@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from isograde.adapters.ready_made import READY_MADE
+from isograde.cases import all_cases
 from isograde.claims import CLAIMS
 from isograde.claims.cycles import MODES
-from isograde.doors.ready_made import READY_MADE
-from isograde.fields import all_cases
 from isograde.model import Case, Declaration, Finding, Verdict
 from isograde.runner import Task, Worker
 from isograde.variants import pose

@@ -7,8 +7,8 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from isograde.command import app
+from isograde.oracles.halfedges import Surface
 from isograde.proof import Proof, corner_place, node_place, prove, tears_by_face
-from isograde.truths.halfedges import Surface
 from isoref.asymptotic_decider import RULE as ASYMPTOTIC
 from isoref.cube import ambiguous_faces
 from isoref.cycles import ALL_JOINED, cycles

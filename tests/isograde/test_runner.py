@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from isograde import claims as claims_module
 from isograde import runner
-from isograde.fields import all_cases
+from isograde.cases import all_cases
 from isograde.model import (
     Case,
     Claim,
@@ -28,7 +28,7 @@ TRIANGLE = Outcome(Status.OK, np.eye(3), np.array([[0, 1, 2]]))
 
 
 @dataclass
-class Door:
+class Adapter:
     """Answers every request with the same outcome, and remembers what it was asked."""
 
     outcome: Outcome = TRIANGLE
@@ -67,42 +67,44 @@ def _claim(name: str, judge: Callable[[Trial], Finding] = _passes, **more: objec
     return Claim(name, "rule", "source", 1, judge, **more)  # type: ignore[arg-type]
 
 
-def _judged(door: Door, *claims: Claim, declaration: Declaration | None = None) -> runner.Judged:
+def _judged(
+    adapter: Adapter, *claims: Claim, declaration: Declaration | None = None
+) -> runner.Judged:
     case = _case()
     by_id = {claim.id: claim for claim in claims}
-    worker = Worker(door, declaration or Declaration("stub"), {case.id: case}, by_id)
+    worker = Worker(adapter, declaration or Declaration("stub"), {case.id: case}, by_id)
     return worker.judge(Task(case.id, tuple(by_id)))
 
 
 def test_a_request_is_run_once_however_many_claims_need_it() -> None:
-    door = Door()
-    judged = _judged(door, _claim("a.one"), _claim("a.two"), _claim("a.three", needs_mesh=False))
-    assert door.asked == [("family/one", "plain")]
+    adapter = Adapter()
+    judged = _judged(adapter, _claim("a.one"), _claim("a.two"), _claim("a.three", needs_mesh=False))
+    assert adapter.asked == [("family/one", "plain")]
     assert judged.calls == 1
     assert {finding.verdict for finding in judged.findings.values()} == {Verdict.PASS}
 
 
 def test_judges_of_the_raw_outcome_come_first() -> None:
-    judged = _judged(Door(), _claim("a.mesh"), _claim("b.raw", needs_mesh=False))
+    judged = _judged(Adapter(), _claim("a.mesh"), _claim("b.raw", needs_mesh=False))
     assert list(judged.findings) == ["b.raw", "a.mesh"]
 
 
 def test_without_a_mesh_later_claims_are_not_run() -> None:
-    door = Door(Outcome(Status.RAISED, detail="ValueError"))
-    judged = _judged(door, _claim("a.mesh"), _claim("b.raw", _fails, needs_mesh=False))
+    adapter = Adapter(Outcome(Status.RAISED, detail="ValueError"))
+    judged = _judged(adapter, _claim("a.mesh"), _claim("b.raw", _fails, needs_mesh=False))
     assert judged.findings["a.mesh"].verdict is Verdict.NOT_RUN
     assert judged.findings["b.raw"].verdict is Verdict.FAIL
 
 
 def test_a_declined_call_is_unsupported() -> None:
-    judged = _judged(Door(Outcome(Status.DECLINED, detail="too thin")), _claim("a.mesh"))
+    judged = _judged(Adapter(Outcome(Status.DECLINED, detail="too thin")), _claim("a.mesh"))
     assert judged.findings["a.mesh"] == Finding(Verdict.UNSUPPORTED, "too thin")
 
 
 def test_what_is_not_promised_is_unsupported() -> None:
     declaration = Declaration("stub", without=frozenset({"welded"}))
     claim = _claim("a.mesh", _fails, unless=frozenset({"welded"}))
-    judged = _judged(Door(), claim, declaration=declaration)
+    judged = _judged(Adapter(), claim, declaration=declaration)
     assert judged.findings["a.mesh"].verdict is Verdict.UNSUPPORTED
 
 
@@ -110,25 +112,25 @@ def test_a_judge_that_raises_is_the_graders_fault() -> None:
     def breaks(trial: Trial) -> Finding:
         raise ZeroDivisionError(trial.case.id)
 
-    finding = _judged(Door(), _claim("a.mesh", breaks)).findings["a.mesh"]
+    finding = _judged(Adapter(), _claim("a.mesh", breaks)).findings["a.mesh"]
     assert finding.verdict is Verdict.NOT_RUN
     assert "the grader's judge failed: ZeroDivisionError" in finding.detail
 
 
 def test_a_failed_case_is_kept_whole_and_a_passed_one_is_not() -> None:
-    failed = _judged(Door(), _claim("a.mesh", _fails))
+    failed = _judged(Adapter(), _claim("a.mesh", _fails))
     assert failed.evidence is not None
     assert failed.evidence.outcomes["plain"] is TRIANGLE
-    assert _judged(Door(), _claim("a.mesh")).evidence is None
+    assert _judged(Adapter(), _claim("a.mesh")).evidence is None
 
 
 def test_the_runner_gives_up_on_an_implementation_that_always_hangs() -> None:
-    door = Door(Outcome(Status.TIMEOUT, detail="no answer"))
+    adapter = Adapter(Outcome(Status.TIMEOUT, detail="no answer"))
     cases = {f"family/{i}": _case(f"family/{i}") for i in range(runner.PATIENCE + 3)}
     claim = _claim("a.raw", _fails, needs_mesh=False)
-    worker = Worker(door, Declaration("stub"), cases, {claim.id: claim})
+    worker = Worker(adapter, Declaration("stub"), cases, {claim.id: claim})
     judged = [worker.judge(Task(name, (claim.id,))) for name in cases]
-    assert len(door.asked) == runner.PATIENCE
+    assert len(adapter.asked) == runner.PATIENCE
     assert judged[-1].findings["a.raw"].verdict is Verdict.NOT_RUN
     assert "given up" in judged[-1].findings["a.raw"].detail
 
@@ -207,7 +209,7 @@ def test_two_processes_find_what_one_finds() -> None:
     try:
         alone = list(runner.run(spec, tasks, one, worker))
     finally:
-        worker.door.close()
+        worker.adapter.close()
     shared = list(runner.run(spec, tasks, two))
     assert [(j.case, j.findings) for j in alone] == [(j.case, j.findings) for j in shared]
     assert any(f.verdict is Verdict.FAIL for j in alone for f in j.findings.values())

@@ -7,7 +7,7 @@ import pymeshlab
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from isograde.truths.self_intersections import self_intersections
+from isograde.oracles.self_intersections import self_intersections
 from isoref.field import Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.optimize import linprog

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from isograde.fields import trilinear_cells
-from isograde.fields.trilinear_cells import TUNNELS, far
-from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import cells
-from isograde.truths.trilinear_grid import active_cells
+from isograde.cases import trilinear_cells
+from isograde.cases.trilinear_cells import TUNNELS, far
+from isograde.oracles.sheets import Fault, judge
+from isograde.oracles.trilinear import cells
+from isograde.oracles.trilinear_grid import active_cells
 from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
 from isoref.field import Array, Field, Floats, Integers
 from isoref.rule import Rule, Tile

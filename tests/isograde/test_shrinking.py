@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from isograde.adapters import open_adapter
+from isograde.cases import all_cases, blocks
 from isograde.claims import CLAIMS
-from isograde.doors import open_door
-from isograde.fields import all_cases, blocks
 from isograde.model import Case, Claim, Declaration, Finding, Limits, Trial, Verdict
 from isograde.runner import Judged, Options, Worker, plan
 from isograde.shrinking import _candidates, _fails, shrink
@@ -35,13 +35,13 @@ def test_the_block_that_is_left_holds_the_fault_and_little_else(
             assert named is not None
             return blocks.block(self[named[0]], named[1])
 
-    door = open_door("isoref:asymptotic-decider")
-    door.open(Limits())
+    adapter = open_adapter("isoref:asymptotic-decider")
+    adapter.open(Limits())
     try:
-        worker = Worker(door, Declaration("x"), Cases({case.id: case}), {claim.id: claim})
+        worker = Worker(adapter, Declaration("x"), Cases({case.id: case}), {claim.id: claim})
         found = shrink(worker, case, claim)
     finally:
-        door.close()
+        adapter.close()
     assert found is not None
     assert found.evidence is not None
     assert found.evidence.field.shape == (2, 2, 2)
@@ -111,8 +111,8 @@ def judged_part(claim_tags: set[str], shape: tuple[int, ...]) -> Judged | None:
         needs_mesh=False,
         tags=frozenset(claim_tags),
     )
-    door = Inside(Miniature("plain", plain))
-    worker = Worker(door, Declaration("x"), {case.id: case}, {claim.id: claim})
+    adapter = Inside(Miniature("plain", plain))
+    worker = Worker(adapter, Declaration("x"), {case.id: case}, {claim.id: claim})
     return _fails(worker, case, claim, 3)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from isograde.truths.space_curves import (
+from isograde.oracles.space_curves import (
     KNOWN,
     KnownCurves,
     Points,

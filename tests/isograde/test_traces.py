@@ -3,8 +3,8 @@
 import mcubes
 import numpy as np
 import pytest
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import CORNERS, FACES, NODES, legal, polygons, segments_on, traces
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import CORNERS, FACES, NODES, legal, polygons, segments_on, traces
 from isoref.field import Field
 from skimage import measure
 

@@ -4,8 +4,8 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from isograde.truths.trilinear import cells
-from isograde.truths.trilinear_cases import (
+from isograde.oracles.trilinear import cells
+from isograde.oracles.trilinear_cases import (
     SYMMETRIES,
     Topology,
     case_name,

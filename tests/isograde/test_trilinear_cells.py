@@ -4,13 +4,13 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from isograde.fields import trilinear_cells
-from isograde.fields.frozen import digest
-from isograde.fields.trilinear_cells import STEPS, TUNNELS, UNIT, near, topology_of
+from isograde.cases import trilinear_cells
+from isograde.cases.frozen import digest
+from isograde.cases.trilinear_cells import STEPS, TUNNELS, UNIT, near, topology_of
 from isograde.model import Case
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_cases import case_names, every_topology
-from isograde.truths.trilinear_grid import grid
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_cases import case_names, every_topology
+from isograde.oracles.trilinear_grid import grid
 
 
 @pytest.fixture(scope="module")

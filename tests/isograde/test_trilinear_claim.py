@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from isograde.claims import trilinear as family
 from isograde.model import Case, Declaration, Finding, Outcome, Status, Trial, Verdict
-from isograde.truths.trilinear import cells
-from isograde.truths.trilinear_cases import case_names
-from isograde.truths.trilinear_grid import active_cells
+from isograde.oracles.trilinear import cells
+from isograde.oracles.trilinear_cases import case_names
+from isograde.oracles.trilinear_grid import active_cells
 from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
 from isoref.field import Array, Field, Floats
 from isoref.mesh import Mesh

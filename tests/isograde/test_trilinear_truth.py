@@ -4,10 +4,10 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from isograde.truths import trilinear
-from isograde.truths.trilinear import BODY, CORNER, FACE, NONE, Truths, cells
-from isograde.truths.trilinear_by_refinement import UnresolvedError, refine
-from isograde.truths.trilinear_grid import GridTruth, grid
+from isograde.oracles import trilinear
+from isograde.oracles.trilinear import BODY, CORNER, FACE, NONE, Truths, cells
+from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
+from isograde.oracles.trilinear_grid import GridTruth, grid
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]

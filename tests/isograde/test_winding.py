@@ -4,9 +4,9 @@ import igl
 import mcubes
 import numpy as np
 import pytest
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import traces
-from isograde.truths.winding import TooWideError, crossings, steps
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import traces
+from isograde.oracles.winding import TooWideError, crossings, steps
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
 from skimage import measure

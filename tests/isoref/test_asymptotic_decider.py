@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from isograde.fields import nielson_hamann
-from isograde.fields.volumes import block
+from isograde.cases import nielson_hamann
+from isograde.cases.volumes import block
 from isoref import asymptotic_decider as decider
 from isoref import cube, cycles
 from isoref.field import Array, Booleans, Field, Floats

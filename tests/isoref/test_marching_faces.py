@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from isograde.truths.space_curves import phase_winding
+from isograde.oracles.space_curves import phase_winding
 from isoref.curves import Curve
 from isoref.field import Field, FieldError
 from isoref.marching_faces import (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from isograde.truths.space_curves import KNOWN, KnownCurves, knot_determinant, linking_numbers
+from isograde.oracles.space_curves import KNOWN, KnownCurves, knot_determinant, linking_numbers
 from isoref import lorensen_cline, marching_faces
 from isoref import surface_intersection as surface_intersection_module
 from isoref.curves import Curve, real_and_imaginary

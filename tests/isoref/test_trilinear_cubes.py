@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from isograde.truths.trilinear import NONE, Truths, cells
-from isograde.truths.trilinear_grid import active_cells, grid
+from isograde.oracles.trilinear import NONE, Truths, cells
+from isograde.oracles.trilinear_grid import active_cells, grid
 from isoref import trilinear_cubes as tc
 from isoref.cube import CORNERS, EDGES, ambiguous_faces
 from isoref.cycles import cycles, share_face

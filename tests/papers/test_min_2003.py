@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.truths import simplices as truth
+from isograde.oracles import simplices as oracle
 from isoref.dyadic import dyadic_tree
 from isoref.simplicial import extract, to_mesh
 
@@ -100,7 +100,7 @@ def test_the_surface_of_table_7_is_met_within_a_tenth(
         _, complex_ = reproduce.from_tree(example, row[0])
         ours = reproduce.TRIANGLE_BYTES * len(complex_.simplices)
         assert abs(ours - row[3]) < 0.1 * row[3]
-    assert truth.euler_characteristic(complex_.simplices) == 1
+    assert oracle.euler_characteristic(complex_.simplices) == 1
 
 
 def test_a_triangle_is_drawn_where_it_is(module: Callable[[str], Any]) -> None:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.fields import nielson_hamann
-from isograde.fields.volumes import REGISTRY, block
+from isograde.cases import nielson_hamann
+from isograde.cases.volumes import REGISTRY, block
 from isograde.frequencies import frequencies
 from isoref import asymptotic_decider as decider
 from isoref.field import Field

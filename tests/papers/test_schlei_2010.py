@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.fields.volumes import REGISTRY, read
+from isograde.cases.volumes import REGISTRY, read
 from isoref.field import Field, Integers
 from isoref.freeze_out import contour_stack, correspondence_problems
 from isoref.methods import METHODS

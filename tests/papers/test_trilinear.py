@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.doors import open_door
-from isograde.fields.trilinear_cells import far, pair
+from isograde.adapters import open_adapter
+from isograde.cases.trilinear_cells import far, pair
 from isograde.model import Limits
-from isograde.truths.sheets import Fault
-from isograde.truths.trilinear import cells
-from isograde.truths.trilinear_cases import case_name, classes, every_topology
+from isograde.oracles.sheets import Fault
+from isograde.oracles.trilinear import cells
+from isograde.oracles.trilinear_cases import case_name, classes, every_topology
 from isoref.cycles import cycles
 from numpy.typing import NDArray
 
@@ -66,12 +66,12 @@ def test_whole_surfaces_are_counted_island_by_island(module: Callable[[str], Any
     """The reference has the components and Euler characteristic of each island's truth."""
     posing, whole = module("posing"), module("whole")
     values = posing.targeted()[1][::300]
-    door = open_door(posing.REFERENCE)
-    door.open(Limits())
+    adapter = open_adapter(posing.REFERENCE)
+    adapter.open(Limits())
     try:
-        good, _ = whole.right(door, values, whole.truth(values), 3)
+        good, _ = whole.right(adapter, values, whole.truth(values), 3)
     finally:
-        door.close()
+        adapter.close()
     assert good.all()
     joined, apart = whole.truth(np.stack(far("4.2", 0))).tolist()
     assert joined != apart
@@ -120,13 +120,13 @@ def test_scikit_image_draws_a_tunnel_in_4_1_and_none_in_7_4_2(
 ) -> None:
     """The page's sentence about `lewiner`, in the cells of the frozen vectors."""
     posing = module("posing")
-    door = open_door("skimage:lewiner")
-    door.open(Limits())
+    adapter = open_adapter("skimage:lewiner")
+    adapter.open(Limits())
     try:
         apart, joined = far("4.2", 0)[1], far("7.4.2", 0)[0]
-        found = posing.faults(door, np.stack([apart, joined]), side=2)
+        found = posing.faults(adapter, np.stack([apart, joined]), side=2)
     finally:
-        door.close()
+        adapter.close()
     assert found == [Fault.FALSE, Fault.MISSING]
 
 
@@ -135,12 +135,12 @@ def test_two_tunnels_of_10_1_2_share_a_face_and_an_edge(module: Callable[[str], 
     posing = module("posing")
     both = pair("10.1.2", 0, -1, 0)
     for name, expected in (("skimage:lewiner", True), (posing.REFERENCE, False)):
-        door = open_door(name)
-        door.open(Limits())
+        adapter = open_adapter(name)
+        adapter.open(Limits())
         try:
-            assert posing.crowded(door, both) is expected
+            assert posing.crowded(adapter, both) is expected
         finally:
-            door.close()
+            adapter.close()
 
 
 def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], Any]) -> None:
@@ -155,16 +155,16 @@ def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], A
 def test_the_reference_is_right_wherever_it_is_posed(module: Callable[[str], Any]) -> None:
     """A sample of what reproduce.py counts at length."""
     agreement, posing = module("agreement"), module("posing")
-    door = open_door(posing.REFERENCE)
-    door.open(Limits())
+    adapter = open_adapter(posing.REFERENCE)
+    adapter.open(Limits())
     try:
-        assert set(posing.faults(door, posing.random_cells(3000, 5))) == {Fault.NONE}
-        total, wrong, crowds = agreement.grids_of_noise(door, 5, 8)
+        assert set(posing.faults(adapter, posing.random_cells(3000, 5))) == {Fault.NONE}
+        total, wrong, crowds = agreement.grids_of_noise(adapter, 5, 8)
         assert (wrong, crowds) == (0, 0)
         assert total > 1000
-        assert not any(posing.crowded(door, pair) for pair in posing.tunnel_pairs())
+        assert not any(posing.crowded(adapter, pair) for pair in posing.tunnel_pairs())
     finally:
-        door.close()
+        adapter.close()
 
 
 @pytest.mark.slow

@@ -1,1 +1,1 @@
-"""A grader for isosurface extractors: fields, doors, truths, claims and reports."""
+"""A grader for isosurface extractors: cases, adapters, oracles, claims and reports."""

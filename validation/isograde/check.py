@@ -1,8 +1,8 @@
-"""A smoke test of a door in a second or two, with advice on each mistake.
+"""A smoke test of an adapter in a second or two, with advice on each mistake.
 
 It asks for one small surface whose place, facing and size are known, looks at the arrays that come
 back, measures the conventions, and tries the ways in which an array can be presented. What it finds
-is about the door, not about the algorithm: that is what grading is for.
+is about the adapter, not about the algorithm: that is what grading is for.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
 
-from isograde.doors import open_door
-from isograde.doors.directory import DirectoryDoor
-from isograde.doors.measure import LEVEL, ball, measure
-from isograde.doors.process import ProcessDoor
+from isograde.adapters import open_adapter
+from isograde.adapters.directory import DirectoryAdapter
+from isograde.adapters.measure import LEVEL, ball, measure
+from isograde.adapters.process import ProcessAdapter
 from isograde.model import (
     LEVELS,
+    AdapterError,
     Conventions,
     Declaration,
-    DoorError,
     Limits,
     Outcome,
     Request,
@@ -68,7 +68,7 @@ MEND = {
 
 
 def check(spec: str) -> list[Advice]:
-    """What the door to `spec` does, one verdict and one sentence of advice each.
+    """What the adapter to `spec` does, one verdict and one sentence of advice each.
 
     >>> [verdict.value for verdict, _ in check("no-such-thing")]
     ['error']
@@ -76,21 +76,21 @@ def check(spec: str) -> list[Advice]:
     if spec.partition(":")[0] in OTHERS:
         return _beside(spec)
     try:
-        door = open_door(spec)
-        declaration = door.open(SHORT)
-    except DoorError as error:
+        adapter = open_adapter(spec)
+        declaration = adapter.open(SHORT)
+    except AdapterError as error:
         return [(Verdict.ERROR, str(error))]
     if declaration.discipline in OTHERS:
-        door.close()
+        adapter.close()
         return _beside(spec)
     try:
         advice = [(Verdict.PASS, _introduced(declaration))]
-        if isinstance(door, DirectoryDoor):
-            return advice + list(_files(door))
-        assert isinstance(door, ProcessDoor), "every other door leads to a process"
-        return advice + list(_calls(door, declaration))
+        if isinstance(adapter, DirectoryAdapter):
+            return advice + list(_files(adapter))
+        assert isinstance(adapter, ProcessAdapter), "every other adapter leads to a process"
+        return advice + list(_calls(adapter, declaration))
     finally:
-        door.close()
+        adapter.close()
 
 
 def _beside(spec: str) -> list[Advice]:
@@ -100,7 +100,7 @@ def _beside(spec: str) -> list[Advice]:
 
     try:
         worker = Worker.open(spec, Options(limits=SHORT))
-    except DoorError as error:
+    except AdapterError as error:
         return [(Verdict.ERROR, str(error))]
     advice = [(Verdict.PASS, _introduced(worker.declaration))]
     try:
@@ -115,7 +115,7 @@ def _beside(spec: str) -> list[Advice]:
             if not bad:
                 advice.append((Verdict.PASS, f"{case.id}: {len(found)} claims of levels 0 and 1"))
     finally:
-        worker.door.close()
+        worker.adapter.close()
     return advice
 
 
@@ -127,19 +127,22 @@ def _introduced(declaration: Declaration) -> str:
     return f"it started: {name} {promise}{without}"
 
 
-def _files(door: DirectoryDoor) -> Iterator[Advice]:
+def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
     """How many of the exported fields have a mesh, and which cannot be read."""
-    answered, unreadable = door.answered(), door.unreadable()
-    yield Verdict.PASS, f"{answered} of {door.exported()} exported fields have a mesh beside them"
+    answered, unreadable = adapter.answered(), adapter.unreadable()
+    yield (
+        Verdict.PASS,
+        f"{answered} of {adapter.exported()} exported fields have a mesh beside them",
+    )
     for name, reason in unreadable:
         yield Verdict.FAIL, f"{name}: {reason}"
 
 
-def _calls(door: ProcessDoor, declaration: Declaration) -> Iterator[Advice]:
+def _calls(adapter: ProcessAdapter, declaration: Declaration) -> Iterator[Advice]:
     """What a handful of calls shows, the plain one first."""
 
     def ask(field: Field, isovalue: float) -> Outcome:
-        return door.answer(Request("check", "plain", field, isovalue))
+        return adapter.answer(Request("check", "plain", field, isovalue))
 
     field = ball()
     plain = ask(field, LEVEL)
@@ -155,7 +158,7 @@ def _calls(door: ProcessDoor, declaration: Declaration) -> Iterator[Advice]:
     yield Verdict.PASS, f"it gave {len(_faces(plain))} triangles in {milliseconds:.1f} ms"
     yield from _conventions(ask, declaration.conventions, plain)
     yield from _presentations(ask, field, plain)
-    yield from _manners(door, plain)
+    yield from _manners(adapter, plain)
 
 
 def _hint(outcome: Outcome) -> str:
@@ -258,11 +261,11 @@ def _presentations(
         yield Verdict.PASS, "it takes samples of any memory layout and type that was tried"
 
 
-def _manners(door: ProcessDoor, plain: Outcome) -> Iterator[Advice]:
+def _manners(adapter: ProcessAdapter, plain: Outcome) -> Iterator[Advice]:
     """What else it does beside answering."""
     if plain.input_changed:
         yield Verdict.FAIL, "it writes into the samples it is given: work on a copy"
-    printed, complained = door.said()
+    printed, complained = adapter.said()
     if printed:
         yield Verdict.PASS, f"it prints to standard output, which is kept apart: {_line(printed)}"
     if complained:

@@ -100,7 +100,7 @@ def grade(
 
 @app.command(name="check")
 def check_(implementation: Spec) -> None:
-    """Try the door in a second or two, with advice on each mistake."""
+    """Try the adapter in a second or two, with advice on each mistake."""
     from isograde.check import check
 
     advice = check(implementation)

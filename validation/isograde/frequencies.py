@@ -31,7 +31,7 @@ from itertools import combinations, product
 import numpy as np
 from isoref.field import Array, Booleans, Field, FieldError, Integers, check_isovalue
 
-from isograde.truths.bilinear import saddle_sign
+from isograde.oracles.bilinear import saddle_sign
 
 CORNERS = tuple(product((0, 1), repeat=3))
 # Distances between the marked corners of each configuration, sorted.

@@ -1,4 +1,4 @@
-"""One implementation graded from door to report.
+"""One implementation graded from adapter to report.
 
 The JSON lines are written while the cases run, into a file beside the report that takes its place
 at the end. A run that is cut off leaves there what it found, without a footer, and the report of an
@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from isograde.adapters import open_adapter
 from isograde.disciplines.registry import READY_MADE
-from isograde.doors import open_door
-from isograde.model import Declaration, Door, DoorError, Outcome, Request, Trial, Verdict
+from isograde.model import Adapter, AdapterError, Declaration, Outcome, Request, Trial, Verdict
 from isograde.report import record
 from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import SMALL, shrink
@@ -57,7 +57,7 @@ def grade(
 
     Raises
     ------
-    DoorError
+    AdapterError
         where the implementation does not start.
     NothingToRun
         where no case and claim match.
@@ -79,7 +79,7 @@ def grade(
             writer.write(tally.footer(seconds, record.gather(writer.records)))
         draft.replace(path)
     finally:
-        worker.door.close()
+        worker.adapter.close()
     return record.gather(writer.records)
 
 
@@ -184,33 +184,33 @@ def contrast(
     tie = declared.conventions.tie
     if not judgements or (tie != "inside" and declared.discipline != "surfaces"):
         return {}
-    door = open_door(READY_MADE.get(spec, spec))
+    adapter = open_adapter(READY_MADE.get(spec, spec))
     try:
-        door.open(options.limits)
-    except DoorError:
+        adapter.open(options.limits)
+    except AdapterError:
         return {}
     wanted = {judged.case: judged.evidence for judged in judgements}
     try:
         return {
-            case: _answer(door, case, evidence, tie)
+            case: _answer(adapter, case, evidence, tie)
             for case, evidence in wanted.items()
             if evidence is not None
         }
     finally:
-        door.close()
+        adapter.close()
 
 
-def _answer(door: Door, case: str, evidence: Evidence, tie: str) -> Outcome:
-    """The door's answer, whose ties are inside, as it is where ties are on the side `tie`.
+def _answer(adapter: Adapter, case: str, evidence: Evidence, tie: str) -> Outcome:
+    """The adapter's answer, whose ties are inside, as it is where ties are on the side `tie`.
 
     A value is above the isovalue where the negated value is not at least the negated isovalue: the
     same surface, with its sides exchanged.
     """
     field, isovalue = evidence.field, evidence.isovalue
     if tie == "inside":
-        return door.run(Request(case, "plain", field, isovalue))
+        return adapter.run(Request(case, "plain", field, isovalue))
     negated = replace(field, values=-np.asarray(field.values, np.float64))
-    outcome = door.run(Request(case, "plain", negated, -isovalue))
+    outcome = adapter.run(Request(case, "plain", negated, -isovalue))
     if outcome.faces is None:
         return outcome
     return replace(outcome, faces=outcome.faces[:, ::-1])

@@ -1,12 +1,12 @@
 """The grader's vocabulary: what goes in, what comes back, what is judged, what is said of it.
 
-Data flows one way. A `Case` is a field with an isovalue; it goes through a `Door` as a `Request`,
-an `Outcome` comes back; each `Claim` judges a `Trial` (the case and the outcomes it asked for) and
-answers with `Finding`, which the report keeps.
+Data flows one way. A `Case` is a field with an isovalue; it goes through an `Adapter` as a
+`Request`, an `Outcome` comes back; each `Claim` judges a `Trial` (the case and the outcomes it
+asked for) and answers with `Finding`, which the report keeps.
 
 Glossary
 --------
-implementation  the extractor under test, behind a door, in a process of its own
+implementation  the extractor under test, behind an adapter, in a process of its own
 discipline      the kind of thing it makes: surfaces, contours, curves, simplices
 level           what an implementation promises (`LEVELS`); a claim of a higher level is judged
                 and shown, but not held against it
@@ -245,19 +245,19 @@ class Limits:
     megabytes: int = 4096
 
 
-# An implementation in Python: a function of samples, isovalue and spacing (`doors.loading`).
+# An implementation in Python: a function of samples, isovalue and spacing (`adapters.loading`).
 Extract = Callable[[NDArray[Any], float, tuple[float, ...]], Any]
 
 
-class DoorError(RuntimeError):
+class AdapterError(RuntimeError):
     """The implementation did not start; the message says why and what to install or change."""
 
 
-class Door(Protocol):
+class Adapter(Protocol):
     """A way to an implementation. Opened once, asked many times, survives what it runs."""
 
     def open(self, limits: Limits) -> Declaration:
-        """Start the implementation; what it declares. Raises `DoorError`."""
+        """Start the implementation; what it declares. Raises `AdapterError`."""
         ...
 
     def run(self, request: Request) -> Outcome:

@@ -1,8 +1,8 @@
 """Cases times claims gives findings.
 
-A *plan* says which claims are judged on which cases. A *worker* holds one open door, asks each
+A *plan* says which claims are judged on which cases. A *worker* holds one open adapter, asks each
 request of a case once however many claims need it, and has the claims judge what came back. Several
-workers share a plan, each a process of its own with a door of its own.
+workers share a plan, each a process of its own with an adapter of its own.
 
 What becomes of a claim on a case
 ---------------------------------
@@ -30,16 +30,16 @@ from fnmatch import fnmatchcase
 
 from isoref.field import Field
 
+from isograde.adapters import open_adapter
+from isograde.cases import blocks
+from isograde.cases.volumes import VolumeError
 from isograde.disciplines.registry import READY_MADE, Pose, discipline, pose_surfaces
-from isograde.doors import open_door
-from isograde.fields import blocks
-from isograde.fields.volumes import VolumeError
 from isograde.model import (
+    Adapter,
+    AdapterError,
     Case,
     Claim,
     Declaration,
-    Door,
-    DoorError,
     Finding,
     Limits,
     Outcome,
@@ -173,9 +173,9 @@ def _matches(name: str, globs: Sequence[str]) -> bool:
 
 @dataclass
 class Worker:
-    """One open door, and the judging of what comes back through it."""
+    """One open adapter, and the judging of what comes back through it."""
 
-    door: Door
+    adapter: Adapter
     declaration: Declaration
     cases: Mapping[str, Case]
     claims: Mapping[str, Claim]
@@ -184,15 +184,15 @@ class Worker:
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
-        """A worker whose door is open, with what its discipline asks. Raises `DoorError`."""
-        door = open_door(READY_MADE.get(spec, spec))
-        declaration = door.open(options.limits)
+        """A worker whose adapter is open, with what its discipline asks. Raises `AdapterError`."""
+        adapter = open_adapter(READY_MADE.get(spec, spec))
+        declaration = adapter.open(options.limits)
         try:
             asked = discipline(declaration.discipline)
-        except DoorError:
-            door.close()
+        except AdapterError:
+            adapter.close()
             raise
-        return cls(door, declaration, asked.cases(options.seed), asked.claims, asked.pose)
+        return cls(adapter, declaration, asked.cases(options.seed), asked.claims, asked.pose)
 
     def judge(self, task: Task) -> Judged:
         """Every finding on one case."""
@@ -241,7 +241,7 @@ class Worker:
             if posed is None:
                 continue
             field, isovalue = posed
-            outcome = self.door.run(Request(trial.case.id, name, field, isovalue))
+            outcome = self.adapter.run(Request(trial.case.id, name, field, isovalue))
             self.hangs = self.hangs + 1 if outcome.status is Status.TIMEOUT else 0
             outcomes[name] = outcome
 
@@ -271,8 +271,8 @@ def run(
 ) -> Iterator[Judged]:
     """Every task judged, in the order of the plan.
 
-    With one job the open `worker` does them all; otherwise each of several processes opens a door
-    of its own to `spec`, and looks cases and claims up by id.
+    With one job the open `worker` does them all; otherwise each of several processes opens an
+    adapter of its own to `spec`, and looks cases and claims up by id.
     """
     if worker is not None and options.jobs <= 1:
         yield from map(worker.judge, tasks)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 
-from isograde.fields import blocks
+from isograde.cases import blocks
 from isograde.model import Case, Claim, Verdict
 from isograde.runner import Judged, Task, Worker
 

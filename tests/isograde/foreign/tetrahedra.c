@@ -1,4 +1,4 @@
-/* Marching tetrahedra in C, behind the door exec: -- each cell is cut into the six tetrahedra
+/* Marching tetrahedra in C, behind the adapter exec: -- each cell is cut into the six tetrahedra
  * round its main diagonal. `isograde explain exec` has the protocol. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -17,13 +17,13 @@ from functools import partial
 
 import numpy as np
 
+from isograde.cases.accuracy import SCALES, Body, row
 from isograde.claims.evidence import failed, on_triangles, passed, remembered, skipped
-from isograde.fields.accuracy import SCALES, Body, row
 from isograde.model import Claim, Finding, Trial
-from isograde.truths.convergence import normal_error, observed_order, total_mean_curvature
-from isograde.truths.halfedges import Surface
-from isograde.truths.shapes import shapes
-from isograde.truths.trilinear_distance import distance
+from isograde.oracles.convergence import normal_error, observed_order, total_mean_curvature
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.shapes import shapes
+from isograde.oracles.trilinear_distance import distance
 
 SLACK = 0.15
 # The middle of a triangle and of each side.
@@ -146,7 +146,7 @@ def _claim(
     error: Callable[[Piece], float],
     also: Callable[[Surface], dict[str, float]] | None = None,
 ) -> Claim:
-    """A claim of this family: beside the ladder, on the bodies of `isograde.fields.accuracy`."""
+    """A claim of this family: beside the ladder, on the bodies of `isograde.cases.accuracy`."""
     return Claim(
         id=f"accuracy.{name}",
         rule=f"{what} shrinks at least with order {formal:g} as a smooth body is sampled more "

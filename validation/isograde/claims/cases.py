@@ -11,7 +11,7 @@ import numpy as np
 
 from isograde.claims.evidence import failed, on_triangles, passed, traces_of
 from isograde.model import Claim, Finding, Trial
-from isograde.truths.traces import FACES, Traces, segments_on
+from isograde.oracles.traces import FACES, Traces, segments_on
 
 
 def legal(trial: Trial) -> Finding:

@@ -7,7 +7,7 @@ inside. Each cycle bounds one disc, and discs have nothing to do with each other
 
 Glossary
 --------
-code        a cell's trace on its faces, see `isograde.truths.traces`
+code        a cell's trace on its faces, see `isograde.oracles.traces`
 discs       a cell's triangles are T = b - 2 d + 2 i, where d discs have b sides on the cell's faces
             and i vertices inside; a tube between two cycles would have two triangles more a disc
 """
@@ -19,7 +19,7 @@ from isoref.field import Booleans, Floats, Integers
 
 from isograde.claims.evidence import failed, on_triangles, passed, skipped, traces_of
 from isograde.model import Claim, Finding, Trial, Verdict
-from isograde.truths.traces import CORNERS, FACES, Traces
+from isograde.oracles.traces import CORNERS, FACES, Traces
 
 MODES = ("disconnect", "connect", "mixed")
 

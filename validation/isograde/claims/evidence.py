@@ -10,10 +10,10 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
-from isograde.truths.halfedges import Surface
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import Traces, traces
-from isograde.truths.winding import Steps, steps
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import Traces, traces
+from isograde.oracles.winding import Steps, steps
 
 T = TypeVar("T")
 

@@ -16,9 +16,9 @@ from isoref.field import Booleans, Integers
 from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, traces_of
 from isograde.frequencies import CORNERS, ROWS, rows_of, rows_with
 from isograde.model import Claim, Finding, Trial
-from isograde.truths.bilinear import saddles
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import Traces
+from isograde.oracles.bilinear import saddles
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import Traces
 
 UNKNOWN = "none"
 

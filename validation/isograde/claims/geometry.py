@@ -1,7 +1,7 @@
 """Claims on where the vertices and the triangles are.
 
 A vertex *stands on* a lattice edge when two of its index coordinates are whole numbers to within
-the tolerance (see `isograde.truths.lattice`).
+the tolerance (see `isograde.oracles.lattice`).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from isograde.claims.evidence import (
     surface_of,
 )
 from isograde.model import Claim, Finding, Trial
-from isograde.truths.lattice import SINGLE, Lattice, crossing_share
-from isograde.truths.self_intersections import self_intersections
-from isograde.truths.traces import signs_of
+from isograde.oracles.lattice import SINGLE, Lattice, crossing_share
+from isograde.oracles.self_intersections import self_intersections
+from isograde.oracles.traces import signs_of
 
 
 @dataclass(frozen=True, eq=False)

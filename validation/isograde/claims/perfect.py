@@ -1,6 +1,6 @@
 """The claim that a VESTA surface is perfect before its points are moved.
 
-No door gives the surface with its points still in the middle of their lattice edges. But a field
+No adapter gives the surface with its points still in the middle of their lattice edges. But a field
 whose samples are all about as far from the isovalue, some above and some below, has every crossing
 in the middle: the surface of such a field *is* the unmoved one. The variant `level` makes one of
 any field, and keeps what the averages of ambiguous faces decide, so that the cycles of a mixed
@@ -25,8 +25,8 @@ from isograde.claims.evidence import (
     skipped,
 )
 from isograde.model import Claim, Finding, Outcome, Status, Trial, Verdict
-from isograde.truths import apart
-from isograde.truths.self_intersections import self_intersections
+from isograde.oracles import apart
+from isograde.oracles.self_intersections import self_intersections
 
 VARIANT = "level"
 

@@ -22,7 +22,7 @@ from isograde.claims.evidence import (
 )
 from isograde.claims.symmetry import same
 from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial
-from isograde.truths.winding import TooWideError
+from isograde.oracles.winding import TooWideError
 
 DESIGN = "isograde design"
 

@@ -35,10 +35,10 @@ from isograde.claims.evidence import (
     traces_of,
 )
 from isograde.model import Claim, Finding, Judge, Status, Trial, Verdict
-from isograde.truths.bilinear import saddles
-from isograde.truths.halfedges import Surface
-from isograde.truths.lattice import Lattice
-from isograde.truths.traces import Traces, traces
+from isograde.oracles.bilinear import saddles
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import Traces, traces
 from isograde.variants import SYMMETRIES, VARIANTS, Variant, pose
 
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when

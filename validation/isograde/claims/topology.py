@@ -26,8 +26,8 @@ from isograde.claims.evidence import (
     welded,
 )
 from isograde.model import Claim, Finding, Judge, Trial
-from isograde.truths.bilinear import saddles
-from isograde.truths.winding import TooWideError
+from isograde.oracles.bilinear import saddles
+from isograde.oracles.winding import TooWideError
 
 WELDED = frozenset({"welded"})
 MANIFOLD = frozenset({"welded", "manifold"})

@@ -18,10 +18,10 @@ from isoref.field import Booleans, Integers
 
 from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, skipped, surface_of
 from isograde.model import Claim, Finding, Trial
-from isograde.truths.sheets import Fault, judge
-from isograde.truths.trilinear import NONE, cells
-from isograde.truths.trilinear_cases import case_names
-from isograde.truths.trilinear_grid import active_cells
+from isograde.oracles.sheets import Fault, judge
+from isograde.oracles.trilinear import NONE, cells
+from isograde.oracles.trilinear_cases import case_names
+from isograde.oracles.trilinear_grid import active_cells
 
 FAMILIES = frozenset({"trilinear", "cells", "pairs", "noise"})
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from rich.markup import escape
 
+from isograde.adapters.directory import export as write
 from isograde.commands.console import Exit, console, stop
 from isograde.disciplines.registry import Discipline
 from isograde.disciplines.registry import discipline as find
-from isograde.doors.directory import export as write
-from isograde.model import Case, DoorError, Request
+from isograde.model import AdapterError, Case, Request
 from isograde.runner import NothingToRun, Options, plan
 
 
@@ -19,7 +19,7 @@ def export(folder: Path, options: Options, variants: bool, discipline: str) -> N
     try:
         asked = find(discipline)
         count = write(folder, requests(asked, options, variants), discipline, asked.layout)
-    except (DoorError, OSError) as error:
+    except (AdapterError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
         stop(Exit.NOTHING_RAN, str(error.args[0]))

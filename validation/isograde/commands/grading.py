@@ -13,11 +13,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from isograde import report as reports
+from isograde.adapters import ready_made_names
 from isograde.commands.console import Exit, console, errors, say, stop
 from isograde.disciplines.registry import READY_MADE as OTHERS
-from isograde.doors import ready_made_names
 from isograde.grading import grade, unfinished
-from isograde.model import DoorError
+from isograde.model import AdapterError
 from isograde.report import comparison, record, words
 from isograde.runner import BAD, NothingToRun, Options
 
@@ -51,7 +51,7 @@ def _faults_told(path: Path) -> Iterator[None]:
     """Whatever ends the making of a report is told, with its status."""
     try:
         yield
-    except DoorError as error:
+    except AdapterError as error:
         stop(Exit.NOT_STARTED, str(error))
     except NothingToRun as error:
         stop(Exit.NOTHING_RAN, str(error.args[0]))
@@ -92,7 +92,7 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
             done[stem] = _grade_quietly(spec, options, path)
         except KeyboardInterrupt:
             stop(Exit.STOPPED, _stopped(path))
-        except DoorError as error:
+        except AdapterError as error:
             absent[spec] = str(error)
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
@@ -112,7 +112,7 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
 
 
 def _grade_quietly(spec: str, options: Options, path: Path) -> record.Report:
-    """The report of one implementation of many. Raises `DoorError`."""
+    """The report of one implementation of many. Raises `AdapterError`."""
     with _progress() as bar:
         task = bar.add_task(spec, total=None, bad="")
         return grade(

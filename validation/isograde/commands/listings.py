@@ -11,11 +11,11 @@ from importlib import import_module
 from rich.markup import escape
 from rich.table import Table
 
+from isograde.adapters.ready_made import READY_MADE
+from isograde.cases import volumes
 from isograde.commands.console import Exit, console, stop
 from isograde.disciplines.registry import ALL_CLAIMS, DISCIPLINES
 from isograde.disciplines.registry import READY_MADE as OTHERS
-from isograde.doors.ready_made import READY_MADE
-from isograde.fields import volumes
 from isograde.model import LEVELS, Case, Claim
 
 
@@ -87,17 +87,17 @@ def levels() -> Table:
     return table
 
 
-# How to write an implementation: the door's own words.
+# How to write an implementation: the adapter's own words.
 GUIDES = {
-    "python": "isograde.doors.loading",
-    "exec": "isograde.doors.exec",
-    "dir": "isograde.doors.directory",
-    "declaration": "isograde.doors.declaring",
+    "python": "isograde.adapters.loading",
+    "exec": "isograde.adapters.exec",
+    "dir": "isograde.adapters.directory",
+    "declaration": "isograde.adapters.declaring",
 }
 
 
 def explain(name: str) -> None:
-    """The claim of this id is printed, or every claim of this family, or the guide to a door."""
+    """The claim of this id, or every claim of this family, or the guide to an adapter, printed."""
     if name in GUIDES:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return

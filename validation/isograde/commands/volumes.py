@@ -10,8 +10,8 @@ from isoref.mesh import Mesh
 from isoref.methods import METHODS
 from rich.markup import escape
 
+from isograde.cases import volumes
 from isograde.commands.console import Exit, close_to, console, stop
-from isograde.fields import volumes
 from isograde.frequencies import frequencies as count
 
 MESH_FILES = (".ply", ".obj", ".off", ".stl", ".glb", ".npz")

@@ -1,4 +1,4 @@
-"""Polylines through a door: an answer of several (N, d) arrays as one pair of arrays.
+"""Polylines through an adapter: an answer of several (N, d) arrays as one pair of arrays.
 
 The pair is the points of all polylines (V, d), one polyline after the other, and for each point the
 number of its polyline (V,) or (V, 1). It takes the places of vertices and faces. Python functions
@@ -74,7 +74,7 @@ def complaint(outcome: Outcome, d: int) -> str:
 def declare(
     extract: Callable[..., Any], function: Callable[..., Any], discipline: str
 ) -> Callable[..., Any]:
-    """`extract`, marked as what the doors call for a third party's `function`."""
+    """`extract`, marked as what the adapters call for a third party's `function`."""
     extract.adapted = True  # type: ignore[attr-defined]
     extract.declaration = {  # type: ignore[attr-defined]
         "name": getattr(function, "__name__", discipline),

@@ -12,10 +12,10 @@ from functools import cache
 from isoref.field import Field
 
 from isograde import variants
+from isograde.cases import Catalogue, all_cases
 from isograde.claims import CLAIMS
 from isograde.disciplines import contours, curves, simplices
-from isograde.fields import Catalogue, all_cases
-from isograde.model import Case, Claim, DoorError
+from isograde.model import AdapterError, Case, Claim
 
 Pose = Callable[[str, Case, Field], tuple[Field, float] | None]
 
@@ -87,8 +87,8 @@ READY_MADE: dict[str, str] = {
 
 
 def discipline(name: str) -> Discipline:
-    """The discipline of this name. Raises `DoorError` for an implementation of an unknown one."""
+    """The discipline of this name. Raises `AdapterError` for an unknown one."""
     if name not in DISCIPLINES:
         known = ", ".join(DISCIPLINES)
-        raise DoorError(f"no discipline {name!r}; there are {known}")
+        raise AdapterError(f"no discipline {name!r}; there are {known}")
     return DISCIPLINES[name]

@@ -9,8 +9,8 @@ spacing     two floats; a point is ``index * spacing``, in the order of the arra
 answer      one array a contour, its points in order; a closed contour repeats its first point;
             the inside, value >= isovalue, lies on the left when axis 0 points right and axis 1 up
 
-It goes through the doors like any other: declare ``{"discipline": "contours"}`` and name it
-``python:my.module:extract_contours``. Inside, `through_door` makes of it a function that answers
+It goes through the adapters like any other: declare ``{"discipline": "contours"}`` and name it
+``python:my.module:extract_contours``. Inside, `through_adapter` makes of it a function that answers
 with arrays of points and contour numbers. Programs behind ``exec:`` and folders behind ``dir:``
 give these arrays as they stand: `LAYOUT` says how.
 
@@ -39,7 +39,7 @@ from isograde.disciplines.contours.cases import cases, pose
 from isograde.disciplines.contours.claims import CLAIMS
 from isograde.disciplines.polylines import declare, stacked
 
-__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "pose", "through_door"]
+__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "pose", "through_adapter"]
 
 Extract = Callable[[Any, float, tuple[float, ...]], Sequence[Any]]
 
@@ -55,8 +55,8 @@ LAYOUT: Mapping[str, str] = {
 }
 
 
-def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
-    """`function` as the doors call it.
+def through_adapter(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
+    """`function` as the adapters call it.
 
     It answers with the points of all contours (V, 2) and, for each, its contour's number (V, 1).
     """
@@ -71,6 +71,6 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
 
 # Ready-made implementations, by short name.
 READY_MADE: Mapping[str, str] = {
-    f"contours:{name.replace('_', '-')}": f"python:isograde.doors.contour_methods:{name}"
+    f"contours:{name.replace('_', '-')}": f"python:isograde.adapters.contour_methods:{name}"
     for name in ("diconex_disconnect", "diconex_connect", "diconex_mixed", "skimage", "contourpy")
 }

@@ -10,7 +10,7 @@ import numpy as np
 from isoref.field import Field
 
 from isograde.model import Case
-from isograde.truths.planar import Points
+from isograde.oracles.planar import Points
 
 
 def cases(seed: int = 0) -> list[Case]:

@@ -28,8 +28,8 @@ from isograde.disciplines.polylines import (
     whole,
 )
 from isograde.model import Claim, Finding, Trial
-from isograde.truths import planar
-from isograde.truths.planar import Booleans, Points
+from isograde.oracles import planar
+from isograde.oracles.planar import Booleans, Points
 
 
 def indexed(trial: Trial, variant: str) -> Contours | None:

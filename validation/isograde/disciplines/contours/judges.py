@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from isograde.claims.evidence import failed, passed
 from isograde.model import Finding
-from isograde.truths import planar
-from isograde.truths.planar import Booleans, Points
+from isograde.oracles import planar
+from isograde.oracles.planar import Booleans, Points
 
 Contours = list[Points]
 

@@ -8,10 +8,10 @@ values      two arrays of one shape (N1, N2, N3)
 spacing     three floats; a point is ``index * spacing``, in the order of the arrays' axes
 answer      one array a curve, its points in order; a closed curve repeats its first point
 
-It goes through the doors like any other: declare ``{"discipline": "curves"}`` and name it
-``python:my.module:extract_curves``. Inside, `through_door` makes of it a function of one array (the
-fields stacked) that answers with arrays of points and curve numbers. Programs behind ``exec:`` and
-folders behind ``dir:`` get and give these arrays as they stand: `LAYOUT` says how.
+It goes through the adapters like any other: declare ``{"discipline": "curves"}`` and name it
+``python:my.module:extract_curves``. Inside, `through_adapter` makes of it a function of one array
+(the fields stacked) that answers with arrays of points and curve numbers. Programs behind ``exec:``
+and folders behind ``dir:`` get and give these arrays as they stand: `LAYOUT` says how.
 
 Glossary
 --------
@@ -41,7 +41,7 @@ from isograde.disciplines.curves.cases import cases, known_curves, pose
 from isograde.disciplines.curves.claims import CLAIMS
 from isograde.disciplines.polylines import declare, stacked
 
-__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "known_curves", "pose", "through_door"]
+__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "known_curves", "pose", "through_adapter"]
 
 Extract = Callable[[Any, Any, float, float, tuple[float, ...]], Sequence[Any]]
 
@@ -57,8 +57,8 @@ LAYOUT: Mapping[str, str] = {
 }
 
 
-def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
-    """`function` as the doors call it: stacked values (2, N1, N2, N3), one isovalue, spacing.
+def through_adapter(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
+    """`function` as the adapters call it: stacked values (2, N1, N2, N3), one isovalue, spacing.
 
     Where the second isovalue differs, a third array (N1, N2, N3) holds nothing but it.
     It answers with the points of all curves (V, 3) and, for each, the number of its curve (V, 1).
@@ -74,8 +74,8 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
     return declare(extract, function, "curves")
 
 
-# Short names of the implementations in `isograde.doors.curve_methods`.
+# Short names of the implementations in `isograde.adapters.curve_methods`.
 READY_MADE: Mapping[str, str] = {
-    f"curves:{name.replace('_', '-')}": f"python:isograde.doors.curve_methods:{name}"
+    f"curves:{name.replace('_', '-')}": f"python:isograde.adapters.curve_methods:{name}"
     for name in ("marching_faces", "surface_intersection", "vtk", "vtk_intersect")
 }

@@ -11,8 +11,8 @@ from isoref.field import Field
 from numpy.typing import NDArray
 
 from isograde.model import Case
-from isograde.truths import space_curves
-from isograde.truths.space_curves import KnownCurves, Points
+from isograde.oracles import space_curves
+from isograde.oracles.space_curves import KnownCurves, Points
 
 # Samples along each axis of a known case; "finer" has cells of half the size.
 COARSE = (24, 27, 25)

@@ -26,7 +26,7 @@ from isograde.disciplines.polylines import (
     whole,
 )
 from isograde.model import Claim, Finding, Trial, Verdict
-from isograde.truths.space_curves import KnownCurves, Points
+from isograde.oracles.space_curves import KnownCurves, Points
 
 
 def _h(field: Field) -> float:

@@ -7,8 +7,8 @@ import numpy as np
 from isograde.claims.evidence import failed, passed
 from isograde.disciplines.polylines import is_closed
 from isograde.model import Finding
-from isograde.truths import space_curves
-from isograde.truths.space_curves import KnownCurves, Points
+from isograde.oracles import space_curves
+from isograde.oracles.space_curves import KnownCurves, Points
 
 Curves = list[Points]
 

@@ -9,10 +9,10 @@ spacing     n floats; a vertex is ``index * spacing``, in the order of the array
 vertices    (V, n) numbers
 simplices   (S, n - m + 1) rows of indices into `vertices`, of the set where all components are 0
 
-It goes through the doors like any other: declare ``{"discipline": "simplices"}`` and name it
-``python:my.module:extract_simplices``. Inside, `through_door` drops the isovalue, which is always
-0. Programs behind ``exec:`` and folders behind ``dir:`` see `LAYOUT`. To decline a dimension or a
-codimension, raise `NotImplementedError`, or answer "unsupported".
+It goes through the adapters like any other: declare ``{"discipline": "simplices"}`` and name it
+``python:my.module:extract_simplices``. Inside, `through_adapter` drops the isovalue, which is
+always 0. Programs behind ``exec:`` and folders behind ``dir:`` see `LAYOUT`. To decline a dimension
+or a codimension, raise `NotImplementedError`, or answer "unsupported".
 
 Glossary
 --------
@@ -42,7 +42,7 @@ from isograde.disciplines.polylines import declare
 from isograde.disciplines.simplices.cases import cases, pose
 from isograde.disciplines.simplices.claims import CLAIMS
 
-__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "pose", "through_door"]
+__all__ = ["CLAIMS", "LAYOUT", "READY_MADE", "cases", "pose", "through_adapter"]
 
 Extract = Callable[[Any, tuple[float, ...]], Any]
 
@@ -57,8 +57,8 @@ LAYOUT: Mapping[str, str] = {
 }
 
 
-def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
-    """`function` as the doors call it, with an isovalue, which is 0 in every case."""
+def through_adapter(function: Extract) -> Callable[[Any, float, tuple[float, ...]], Any]:
+    """`function` as the adapters call it, with an isovalue, which is 0 in every case."""
 
     def extract(values: NDArray[Any], isovalue: float, spacing: tuple[float, ...]) -> Any:
         return function(values - isovalue if isovalue else values, tuple(spacing))
@@ -69,6 +69,6 @@ def through_door(function: Extract) -> Callable[[Any, float, tuple[float, ...]],
 # Ready-made implementations, by short name.
 _METHODS = ("reference", "printed", "skimage", "contourpy", "pymcubes", "libigl", "vtk")
 READY_MADE: Mapping[str, str] = {
-    f"simplices:{name}": f"python:isograde.doors.simplex_methods:{name.replace('-', '_')}"
+    f"simplices:{name}": f"python:isograde.adapters.simplex_methods:{name.replace('-', '_')}"
     for name in (*_METHODS, "vtk-tetrahedra")
 }

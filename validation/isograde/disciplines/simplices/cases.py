@@ -8,7 +8,7 @@ import numpy as np
 from isoref.field import Field
 
 from isograde.model import Case
-from isograde.truths.known_manifolds import MANIFOLDS, Manifold
+from isograde.oracles.known_manifolds import MANIFOLDS, Manifold
 
 # Samples along each axis of a known case, by n; "finer" has cells of half the size.
 COARSE = {2: 25, 3: 17, 4: 12, 5: 8}

@@ -24,8 +24,8 @@ from isograde.disciplines.simplices.judges import (
     well_formed,
 )
 from isograde.model import Claim, Finding, Status, Trial, Verdict
-from isograde.truths import simplices as truth
-from isograde.truths.known_manifolds import MANIFOLDS, Manifold
+from isograde.oracles import simplices as oracle
+from isograde.oracles.known_manifolds import MANIFOLDS, Manifold
 
 
 def _known(trial: Trial) -> Manifold:
@@ -38,7 +38,7 @@ def _joined(mesh: Mesh, trial: Trial) -> Mesh:
     if "ties" not in trial.case.tags or not len(mesh.vertices):
         return mesh
     slack = ROUNDING * float(np.ptp(_box(trial), axis=0).max())
-    return Mesh(*truth.joined(mesh.vertices, mesh.simplices, slack))
+    return Mesh(*oracle.joined(mesh.vertices, mesh.simplices, slack))
 
 
 def _box(trial: Trial) -> Any:

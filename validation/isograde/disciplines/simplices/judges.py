@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from isograde.claims.evidence import failed, passed
 from isograde.model import Finding, Outcome, Verdict
-from isograde.truths import simplices as truth
-from isograde.truths.known_manifolds import Manifold
+from isograde.oracles import simplices as oracle
+from isograde.oracles.known_manifolds import Manifold
 
 # An answer in single precision is within this share of the extent of the lattice.
 ROUNDING = 1e-6
@@ -47,8 +47,8 @@ def nothing(mesh: Mesh) -> Finding:
 
 def closed(mesh: Mesh, box: Any) -> Finding:
     """No open facet is left over when those of two cuts of one face are set aside."""
-    rows = truth.open_facets(mesh.vertices, mesh.simplices, box)
-    holes = rows[~truth.covered(mesh.vertices, rows)]
+    rows = oracle.open_facets(mesh.vertices, mesh.simplices, box)
+    holes = rows[~oracle.covered(mesh.vertices, rows)]
     if len(holes):
         place = mesh.vertices[holes[0]].mean(axis=0).round(6).tolist()
         return failed(f"{len(holes)} facets have a simplex on one side only", at=place)
@@ -57,8 +57,8 @@ def closed(mesh: Mesh, box: Any) -> Finding:
 
 def conforming(mesh: Mesh, box: Any) -> Finding:
     """No face is cut one way by one simplex and another way by its neighbour."""
-    rows = truth.open_facets(mesh.vertices, mesh.simplices, box)
-    doubled = rows[truth.covered(mesh.vertices, rows)]
+    rows = oracle.open_facets(mesh.vertices, mesh.simplices, box)
+    doubled = rows[oracle.covered(mesh.vertices, rows)]
     if len(doubled):
         place = mesh.vertices[doubled[0]].mean(axis=0).round(6).tolist()
         return failed(f"{len(doubled)} facets lie on facets of another cut", at=place)
@@ -67,13 +67,13 @@ def conforming(mesh: Mesh, box: Any) -> Finding:
 
 def manifold(mesh: Mesh) -> Finding:
     """No facet belongs to more than two simplices."""
-    worst = int(truth.facets(mesh.simplices).owners.max(initial=0))
+    worst = int(oracle.facets(mesh.simplices).owners.max(initial=0))
     return failed(f"a facet belongs to {worst} simplices") if worst > 2 else passed()
 
 
 def oriented(mesh: Mesh) -> Finding:
     """The two simplices on a facet give it opposite orientations."""
-    found = truth.facets(mesh.simplices)
+    found = oracle.facets(mesh.simplices)
     wrong = int(((found.owners == 2) & (found.balance != 0)).sum())
     return failed(f"{wrong} facets between simplices that disagree") if wrong else passed()
 
@@ -85,7 +85,7 @@ def side(mesh: Mesh, known: Manifold) -> Finding:
     place = mesh.vertices[mesh.simplices]
     frame = np.concatenate([-known.gradients(place.mean(axis=1)), np.diff(place, axis=1)], axis=1)
     determinants = np.linalg.det(frame)
-    size = truth.measures(mesh.vertices, mesh.simplices)
+    size = oracle.measures(mesh.vertices, mesh.simplices)
     clear = size > 1e-3 * size.mean()
     wrong = int((determinants[clear] < 0).sum())
     return (
@@ -95,7 +95,7 @@ def side(mesh: Mesh, known: Manifold) -> Finding:
 
 def euler(mesh: Mesh, known: Manifold) -> Finding:
     """The Euler characteristic and the number of pieces are the known ones."""
-    found = (truth.euler_characteristic(mesh.simplices), truth.components(mesh.simplices))
+    found = (oracle.euler_characteristic(mesh.simplices), oracle.components(mesh.simplices))
     right = (known.euler, known.pieces)
     if found != right:
         return failed(
@@ -150,7 +150,7 @@ def converges(coarse: Mesh, fine: Mesh | None, known: Manifold) -> Finding:
     """With cells of half the size the error of the volume falls by 2^1.4 at least."""
     if fine is None:
         return Finding(Verdict.NOT_RUN, "the finer lattice gave no mesh")
-    volumes = [float(truth.measures(x.vertices, x.simplices).sum()) for x in (coarse, fine)]
+    volumes = [float(oracle.measures(x.vertices, x.simplices).sum()) for x in (coarse, fine)]
     errors = [abs(volume - (known.volume or 0.0)) for volume in volumes]
     order = float(np.log2(errors[0] / max(errors[1], 1e-300)))
     numbers = {"volumes": volumes, "known": known.volume, "order": order}

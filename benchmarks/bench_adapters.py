@@ -1,0 +1,80 @@
+"""What an adapter costs: scikit-image called directly, and through its process, in turn.
+
+The difference of the two is the adapter's: the field is sent, laid out in memory, compared with
+itself after the call, and the mesh is sent back. Writes ``reports/benchmarks/adapters.md``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from bench_extraction import sphere
+from isograde.adapters import open_adapter
+from isograde.model import Adapter, Limits, Request
+from isoref.field import Field
+from skimage.measure import marching_cubes
+from stopwatch import interleave
+
+NAME = "skimage:lewiner"
+# Small fields are asked many times, so that a round takes some hundredths of a second.
+SIDES = {3: 200, 16: 50, 64: 3, 128: 1, 256: 1}
+
+
+def repeated(run: Callable[[], object], times: int) -> Callable[[], None]:
+    """`run`, so many times."""
+
+    def every() -> None:
+        for _ in range(times):
+            run()
+
+    return every
+
+
+def row(adapter: Adapter, side: int, rounds: int) -> str:
+    """The table's row for a sphere in side^3 samples."""
+    values, times = sphere(side), SIDES[side]
+    request = Request("sphere", "plain", Field.of(values), 0.0)
+    contestants: dict[str, Callable[[], object]] = {
+        "direct": repeated(partial(marching_cubes, values, 0.0), times),
+        "adapter": repeated(partial(adapter.run, request), times),
+    }
+    direct, through = interleave(contestants, rounds)
+    pairs = zip(through.seconds, direct.seconds, strict=True)
+    extra = float(np.median([a - b for a, b in pairs])) / times
+    return (
+        f"| {side}^3 | {1000 * direct.median / times:.3f} | {1000 * extra:.3f} | "
+        f"{through.ratio:.2f} |"
+    )
+
+
+def main() -> None:
+    """Run the table and write it down."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sides", nargs="*", type=int, choices=list(SIDES), default=list(SIDES))
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/adapters.md"))
+    arguments = parser.parse_args()
+    adapter = open_adapter(NAME)
+    adapter.open(Limits(seconds=120.0))
+    lines = [
+        "# What an adapter costs\n",
+        f"{NAME}, a sphere in float32; {platform.machine()}, Python {platform.python_version()}; "
+        f"medians of {arguments.rounds} rounds, in turn.\n",
+        "| samples | direct ms a call | adapter's share, ms | through the adapter / direct |",
+        "| ---: | ---: | ---: | ---: |",
+    ]
+    for side in arguments.sides:
+        lines.append(row(adapter, side, arguments.rounds))
+        print(lines[-1], flush=True)
+    adapter.close()
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

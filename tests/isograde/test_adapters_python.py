@@ -1,0 +1,149 @@
+"""Adapters to Python functions."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.adapters import open_adapter, ready_made_names
+from isograde.model import Declaration, Limits, Outcome, Request, Status
+from isoref.field import Field
+from isoref.methods import METHODS
+from numpy.typing import NDArray
+from skimage.measure import marching_cubes
+
+QUICK = Limits(seconds=20.0, megabytes=1024)
+
+
+def ask(spec: str, field: Field, isovalue: float) -> Outcome:
+    """The outcome of one call through an adapter of its own."""
+    adapter = open_adapter(spec)
+    adapter.open(QUICK)
+    try:
+        return adapter.run(Request("test", "plain", field, isovalue))
+    finally:
+        adapter.close()
+
+
+def ball(spacing: tuple[float, ...] = (1, 2, 3), origin: tuple[float, ...] = (9, 8, 7)) -> Field:
+    """High in the middle of 5 x 6 x 7 samples."""
+    i, j, k = np.indices((5, 6, 7))
+    return Field.of(4 - (i - 2.1) ** 2 - (j - 2.4) ** 2 - (k - 3.2) ** 2, spacing, origin)
+
+
+def volume(outcome: Outcome) -> float:
+    """Signed volume; positive where right-hand normals point outwards."""
+    assert outcome.mesh is not None, outcome.detail
+    a, b, c = outcome.mesh.vertices[outcome.mesh.simplices].swapaxes(0, 1)
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+
+@pytest.mark.parametrize("spec", ["skimage:lewiner", "skimage:lorensen", "isoref:lorensen-cline"])
+def test_every_adapter_answers_in_the_conventions_of_the_house(spec: str) -> None:
+    """World units, origin included, right-hand normals to lower values."""
+    outcome = ask(spec, ball(), 1.0)
+    assert outcome.status is Status.OK, outcome.detail
+    assert outcome.vertices is not None
+    assert (outcome.vertices.min(0) > (9, 8, 7)).all()
+    assert (outcome.vertices.max(0) < (13, 18, 25)).all()
+    assert 6 * 14 < volume(outcome) < 6 * 4 / 3 * np.pi * 3**1.5
+
+
+def test_a_declared_error_for_an_empty_surface_becomes_an_empty_mesh() -> None:
+    """scikit-image raises where the isovalue is out of range; the house has an empty mesh."""
+    outcome = ask("skimage:lewiner", ball(), 99.0)
+    assert outcome.status is Status.OK
+    assert outcome.mesh is not None
+    assert len(outcome.mesh.simplices) == 0
+
+
+MINE = """
+import numpy as np
+
+def extract(values, isovalue, spacing):
+    "Answers with how the samples lie in memory."
+    return [[*map(float, values.strides), values[0, 1, 2]]], [[values.flags.writeable, 0, 0]]
+
+extract.declaration = {"name": "mine", "conventions": {"units": "world"}}
+
+class Group:
+    @staticmethod
+    def method(values, isovalue, spacing):
+        return [], []
+
+def declaration():
+    return {"level": 1, "without": ["welded"]}
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A module of the user's own, in the folder where isograde is started."""
+    (tmp_path / "mine.py").write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def opened(spec: str) -> Declaration:
+    """What is declared behind the adapter."""
+    adapter = open_adapter(spec)
+    try:
+        return adapter.open(QUICK)
+    finally:
+        adapter.close()
+
+
+def test_a_module_or_a_file_in_the_current_folder_is_found(mine: Path) -> None:
+    """As in the README: python:mine:extract."""
+    assert opened("python:mine:extract").name == "mine"
+    assert opened("python:mine.py:extract").name == "mine"
+    assert opened(f"python:{mine / 'mine.py'}:extract").name == "mine"
+
+
+def test_a_function_s_own_declaration_goes_before_its_module_s(mine: Path) -> None:
+    assert opened("python:mine:extract").level == 2
+    declared = opened("python:mine:Group.method")
+    assert (declared.level, declared.without) == (1, frozenset({"welded"}))
+    assert declared.name == "python:mine:Group.method"
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.arange(60.0).reshape(3, 4, 5),
+        np.asfortranarray(np.arange(60.0).reshape(3, 4, 5)),
+        np.arange(60.0).reshape(3, 4, 5)[::-1, :, ::-1],
+        np.arange(480.0).reshape(6, 8, 10)[::2, ::2, ::2],
+        np.arange(60.0, dtype=">f4").reshape(5, 4, 3).transpose(2, 0, 1)[:, :4, :4],
+    ],
+    ids=["C", "Fortran", "backwards", "gaps", "foreign"],
+)
+def test_samples_lie_in_memory_as_they_did_for_us(mine: Path, values: NDArray[Any]) -> None:
+    """The claims on memory layout rest on it. Samples can be written to."""
+    outcome = ask("python:mine:extract", Field.of(values), 0.0)
+    assert outcome.vertices is not None, outcome.detail
+    assert outcome.faces is not None
+    assert outcome.vertices.tolist() == [[*values.strides, values[0, 1, 2]]]
+    assert outcome.faces.tolist() == [[1, 0, 0]]
+
+
+def test_a_large_field_with_its_large_mesh_passes_unharmed() -> None:
+    """Above a megabyte arrays pass in files: the same mesh as without an adapter."""
+    values = np.random.default_rng(0).random((60, 60, 60))
+    outcome = ask("skimage:lorensen", Field.of(values), 0.5)
+    vertices, faces, *_ = marching_cubes(values, 0.5, method="lorensen")
+    assert outcome.vertices is not None
+    assert outcome.faces is not None
+    assert outcome.vertices.nbytes > 1 << 20
+    assert np.array_equal(outcome.vertices, vertices)
+    assert np.array_equal(outcome.faces[:, [0, 2, 1]], faces)
+
+
+def test_every_method_of_the_reference_has_a_adapter() -> None:
+    assert {f"isoref:{name}" for name in METHODS} <= set(ready_made_names())
+
+
+def test_a_call_reports_its_cost() -> None:
+    outcome = ask("skimage:lewiner", Field.of(np.random.default_rng(0).random((40, 40, 40))), 0.5)
+    assert outcome.seconds > 0
+    assert outcome.peak_bytes > 1 << 20

@@ -1,0 +1,52 @@
+"""Every case the grader knows, by id: one module a family, each with a function ``cases(seed)``."""
+
+from collections.abc import Callable
+from functools import cache
+from types import ModuleType
+
+from isograde.cases import (
+    accuracy,
+    analytic,
+    blocks,
+    cells,
+    nielson_hamann,
+    noise,
+    pairs,
+    ties,
+    trilinear_cells,
+    volumes,
+)
+from isograde.model import Case
+
+FAMILIES: dict[str, ModuleType] = {
+    "cells": cells,
+    "pairs": pairs,
+    "ties": ties,
+    "noise": noise,
+    "trilinear": trilinear_cells,
+    "analytic": analytic,
+    "accuracy": accuracy,
+    "nielson-hamann": nielson_hamann,
+    "real": volumes,
+}
+
+
+class Catalogue(dict[str, Case]):
+    """Cases by id; a block of a case is found by its name, though it is not listed."""
+
+    def __missing__(self, name: str) -> Case:
+        """The block of this name. Raises `KeyError` where there is no such case."""
+        named = blocks.parse(name)
+        if named is None or named[0] not in self:
+            raise KeyError(name)
+        return blocks.block(self[named[0]], named[1])
+
+
+@cache
+def all_cases(seed: int = 0) -> Catalogue:
+    """Every case by id, in the order of the families."""
+    found = Catalogue()
+    for family in FAMILIES.values():
+        listed: Callable[[int], list[Case]] = family.cases
+        found.update({case.id: case for case in listed(seed)})
+    return found

@@ -1,0 +1,268 @@
+"""Triangles of one mesh that meet where they should not, by exact arithmetic.
+
+Idea
+----
+Two triangles of a sound mesh meet in what they share: in nothing, in a common vertex, or in a
+common edge. Anything more is a *self-intersection*, be it a touch in a single point. Which
+vertices are common is a matter of their names: weld a mesh of loose triangles first.
+
+Only triangles whose boxes meet are compared. Triangles of an isosurface are about as large as a
+cell, so the boxes are sorted into bins as large as the largest of them; on a mesh with one triangle
+a cell or more these are the cells of the lattice.
+
+What is asked of a pair is whether something parts them:
+
+    nothing shared  a plane with one triangle strictly on either side. If there is any, there is one
+                    along a side of each, along one of the triangles, or, where they lie in
+                    parallel planes, across these and along a side.
+    a vertex        a plane through it that parts the two angles at it, and meets at most one side
+                    of each. If there is any, there is one along one of the triangles or along a
+                    side of each; angles in one plane are apart when neither holds a side of the
+                    other.
+    an edge         the triangles are in different half planes of the edge.
+
+Every sign is tried in floating point with a bound on its error (`isograde.oracles.bounded`); the
+pairs that nothing parts for certain are asked again in integers. Triangles without area, and pairs
+of triangles with the same three vertices, are left out: other claims name them.
+
+Glossary
+--------
+p, q        corners of the two triangles of a pair, (n, 3, 3), those they share first
+apart       (n,) the triangles meet in nothing but what they share, for certain
+n, m        normals of the two triangles
+
+References
+----------
+1. S. Gottschalk, M. C. Lin, D. Manocha: OBBTree. SIGGRAPH '96, section 5 (separating axes).
+2. P. Guigue, O. Devillers: Fast and robust triangle-triangle overlap test using orientation
+   predicates. Journal of Graphics Tools 8(1), 2003.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import product
+
+import numpy as np
+from isoref.field import Booleans, Floats, Integers
+
+from isograde.oracles.bounded import Bounded, Numbers, integers
+
+PORTION = 200_000
+"""Pairs of triangles that are compared at a time."""
+
+FINE = 64
+"""Differences of coordinates are below 2 FINE^2 = 2^13, and every number below 3 * 2^54."""
+
+
+def self_intersections(points: Floats, faces: Integers) -> Integers:
+    """(k, 2) pairs of faces, the lower first, that meet in more than the vertices they share.
+
+    >>> points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 1], [9, 9, 0]]
+    >>> self_intersections(np.array(points, float), np.array([[0, 1, 2], [3, 4, 5]]))
+    array([[0, 1]])
+    """
+    found = [np.empty((0, 2), np.int64)]
+    for pairs in _near_pairs(points, faces):
+        found.append(pairs[_meet(points, faces, pairs)])
+    crossing: Integers = np.unique(np.concatenate(found), axis=0)
+    return crossing
+
+
+def _meet(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
+    """(n,) the triangles of the pair meet in more than they share."""
+    corners, shared = _shared_first(faces[pairs])
+    meet = np.zeros(len(pairs), bool)
+    for number, apart in enumerate((_apart, _apart_at_vertex, _apart_at_edge)):
+        rows = np.flatnonzero(shared == number)
+        rows = rows[~_ask(apart, points[corners[rows]])]
+        fine = _on_fine_grid(points[corners[rows]])
+        for some, numbers in ((rows[fine], _small), (rows[~fine], integers)):
+            meet[some] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
+    return meet
+
+
+def _ask(apart: Callable[[Bounded, Bounded], Booleans], numbers: Numbers) -> Booleans:
+    """(n,) what `apart` says of pairs of triangles, 18 exact numbers each."""
+    if not len(numbers):
+        return np.empty(0, bool)
+    corners = numbers.reshape(-1, 2, 3, 3)
+    p, q = corners[:, 0], corners[:, 1]
+    return apart(Bounded(p, p * 0), Bounded(q, q * 0))
+
+
+def _on_fine_grid(corners: Floats) -> Booleans:
+    """(n,) all coordinates are multiples of 1 / FINE below FINE: no product of four overflows."""
+    scaled = corners.reshape(-1, 18) * FINE
+    return np.asarray(((scaled == np.rint(scaled)) & (np.abs(scaled) < FINE**2)).all(axis=1))
+
+
+def _small(rows: Floats) -> Integers:
+    """Such coordinates as integers of the machine."""
+    return np.asarray(rows * FINE, np.int64)
+
+
+# --- which pairs ----------------------------------------------------------------------------------
+
+
+def _near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
+    """Pairs (n, 2) of faces whose boxes meet, each once or more often, in portions."""
+    low, high = points[faces].min(axis=1), points[faces].max(axis=1)
+    for one, other in _in_one_bin(*_bins(low, high)):
+        near = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
+        first, second = np.minimum(one, other)[near], np.maximum(one, other)[near]
+        keys = np.unique(first * len(faces) + second)
+        yield np.stack(np.divmod(keys, max(len(faces), 1)), axis=1)
+
+
+def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers]:
+    """(face, bin) for every bin that the face's box meets: at most eight each."""
+    if not len(low):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    start = low.min(axis=0)
+    size = np.maximum((high - low).max(axis=0), (high.max(axis=0) - start) / 2**20)
+    size = np.where(size > 0, size, 1.0)
+    first = np.floor((low - start) / size).astype(np.int64)
+    last = np.floor((high - start) / size).astype(np.int64)
+    face, place = [], []
+    for offset in product((0, 1), repeat=3):
+        rows = np.flatnonzero((first + offset <= last).all(axis=1))
+        face.append(rows)
+        place.append(first[rows] + offset)
+    x, y, z = np.concatenate(place).T
+    return np.concatenate(face), (x << 42) | (y << 21) | z
+
+
+def _in_one_bin(face: Integers, place: Integers) -> Iterator[tuple[Integers, Integers]]:
+    """Pairs of faces in one bin, in portions: each with the one that is `step` after it."""
+    order = np.argsort(place, kind="stable")
+    face, place = face[order], place[order]
+    waiting: list[tuple[Integers, Integers]] = []
+    step, rows = 1, np.arange(len(face))
+    while len(rows):
+        rows = rows[rows + step < len(face)]
+        rows = rows[place[rows] == place[rows + step]]
+        waiting.append((face[rows], face[rows + step]))
+        step += 1
+        if sum(len(one) for one, _ in waiting) > PORTION:
+            yield _joined(waiting)
+            waiting = []
+    if waiting:
+        yield _joined(waiting)
+
+
+def _joined(waiting: list[tuple[Integers, Integers]]) -> tuple[Integers, Integers]:
+    """The pairs end to end."""
+    ones, others = zip(*waiting, strict=True)
+    return np.concatenate(ones), np.concatenate(others)
+
+
+def _shared_first(faces: Integers) -> tuple[Integers, Integers]:
+    """Corners (n, 2, 3) of the pairs with those they share first, and how many these are (n,).
+
+    >>> corners, shared = _shared_first(np.array([[[7, 8, 9], [5, 9, 8]]]))
+    >>> corners.tolist(), shared.tolist()
+    ([[[8, 9, 7], [8, 9, 5]]], [2])
+    """
+    one, other = faces[:, 0], faces[:, 1]
+    same = one[:, :, None] == other[:, None, :]
+    shared = same.any(axis=2).sum(axis=1)
+    # Sort each triangle by (not shared, name): the shared ones then stand in the same order.
+    turned = []
+    for corners, common in ((one, same.any(axis=2)), (other, same.any(axis=1))):
+        order = np.lexsort((corners, ~common), axis=1)
+        turned.append(np.take_along_axis(corners, order, axis=1))
+    return np.stack(turned, axis=1), shared
+
+
+# --- vectors --------------------------------------------------------------------------------------
+
+
+def _cross(a: Bounded, b: Bounded) -> Bounded:
+    """(n, 3) cross products."""
+    left, right = [1, 2, 0], [2, 0, 1]
+    return a[:, left] * b[:, right] - a[:, right] * b[:, left]
+
+
+def _dot(a: Bounded, b: Bounded) -> Bounded:
+    """(n,) inner products."""
+    terms = a * b
+    return terms[:, 0] + terms[:, 1] + terms[:, 2]
+
+
+def _sides(p: Bounded) -> list[Bounded]:
+    """The three sides of triangles (n, 3, 3)."""
+    return [p[:, (i + 1) % 3] - p[:, i] for i in range(3)]
+
+
+def _flat(*normals: Bounded) -> Booleans:
+    """(n,) one of the normals is zero for certain: a triangle without area, not compared."""
+    zero = [((n.sign() == 0) & ~n.unsure()).all(axis=1) for n in normals]
+    return np.asarray(np.logical_or.reduce(zero))
+
+
+# --- what parts two triangles ---------------------------------------------------------------------
+
+
+def _apart(p: Bounded, q: Bounded) -> Booleans:
+    """(n,) triangles that share nothing do not meet."""
+    n, m = (
+        _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) for corners in (p, q)
+    )
+    apart = _flat(n, m) | _parts(n, p, q) | _parts(m, p, q)
+    rest = np.flatnonzero(~apart)
+    apart[rest] = _apart_along_sides(p[rest], q[rest], n[rest], m[rest])
+    return apart
+
+
+def _apart_along_sides(p: Bounded, q: Bounded, n: Bounded, m: Bounded) -> Booleans:
+    """(n,) triangles are parted by a plane along a side of each, or across one and along a side."""
+    along, other = _sides(p), _sides(q)
+    axes = [_cross(a, b) for a, b in product(along, other)]
+    axes += [_cross(n, a) for a in along] + [_cross(m, b) for b in other]
+    return np.asarray(np.logical_or.reduce([_parts(axis, p, q) for axis in axes]))
+
+
+def _parts(axis: Bounded, p: Bounded, q: Bounded) -> Booleans:
+    """(n,) every corner of q is further along the axis than every corner of p, or none is."""
+    here = [_dot(axis, p[:, i] - p[:, 0]) for i in range(3)]
+    there = [_dot(axis, q[:, j] - p[:, 0]) for j in range(3)]
+    signs = np.stack([(b - a).sign() for a, b in product(here, there)])
+    return np.asarray((signs > 0).all(axis=0) | (signs < 0).all(axis=0))
+
+
+def _apart_at_vertex(p: Bounded, q: Bounded) -> Booleans:
+    """(n,) triangles that share their first corner meet in nothing else."""
+    one = [p[:, i] - p[:, 0] for i in (1, 2)]
+    other = [q[:, i] - q[:, 0] for i in (1, 2)]
+    n, m = _cross(*one), _cross(*other)
+    apart = _flat(n, m)
+    above = [_dot(n, v).sign() for v in other]
+    apart |= above[0] * above[1] > 0
+    apart |= np.multiply(*(_dot(m, v).sign() for v in one)) > 0
+    for i, j in product((0, 1), repeat=2):
+        axis = _cross(one[i], other[j])
+        apart |= _dot(axis, one[1 - i]).sign() * _dot(axis, other[1 - j]).sign() < 0
+    level = [_dot(n, v) for v in other]
+    in_plane = np.logical_and.reduce([(v.sign() == 0) & ~v.unsure() for v in level])
+    return np.asarray(apart | (in_plane & _angles_apart(n, m, one, other)))
+
+
+def _angles_apart(n: Bounded, m: Bounded, one: list[Bounded], other: list[Bounded]) -> Booleans:
+    """(n,) angles in one plane hold no side of each other."""
+    held = [_holds(n, one, v) for v in other] + [_holds(m, other, v) for v in one]
+    return np.asarray(~np.logical_or.reduce(held))
+
+
+def _holds(n: Bounded, angle: list[Bounded], v: Bounded) -> Booleans:
+    """(n,) v is in the closed angle, whose normal is n, or may be."""
+    after, before = _dot(n, _cross(angle[0], v)), _dot(n, _cross(v, angle[1]))
+    return np.asarray((after.sign() >= 0) & (before.sign() >= 0))
+
+
+def _apart_at_edge(p: Bounded, q: Bounded) -> Booleans:
+    """(n,) triangles that share their first two corners meet in nothing but that edge."""
+    edge = p[:, 1] - p[:, 0]
+    n, m = _cross(edge, p[:, 2] - p[:, 0]), _cross(edge, q[:, 2] - q[:, 0])
+    bent = _dot(n, q[:, 2] - q[:, 0]).sign() != 0
+    return np.asarray(_flat(n, m) | bent | (_dot(n, m).sign() < 0))

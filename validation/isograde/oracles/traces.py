@@ -1,0 +1,345 @@
+"""The curves in which a mesh meets the faces of the cells, and which of them are legal.
+
+A cell's surface is bounded by segments on the cell's six faces. The signs of a face's four
+corners leave little choice: with one crossing pair of edges there is one segment; with four
+crossings there are two, and they cut off either the two inside corners (*separated*) or the two
+outside corners (*joined*). These are the legal resolutions of the cell: for each ambiguous face
+one of two, for every other face one. Segments that join opposite edges would cross each other.
+
+A trace is read off a mesh without asking how it was made. Each triangle lies in one cell; the
+edges of the cell's triangles that lie in a face, counted modulo two, are the cell's trace. Chords
+that two triangles of the same cell share cancel, as do folds.
+
+Glossary
+--------
+place       index coordinates
+cell        named by its lowest corner (i, j, k), or by that corner's flat index among the cells
+node        the place of a vertex in its cell, in half steps: offsets 0, 1, 2 along each axis with
+            exactly one 1 (the middle of a lattice edge), as the number 9 a + 3 b + c
+code        a cell's trace: 36 bits, six for each face, one for each pair of the face's four edges
+flat        a triangle that lies in a face; it may belong to the cell on either side
+
+Nodes, faces and pairs are numbered by position alone; no table of the reference is used.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import combinations
+
+import numpy as np
+from isoref.field import Booleans, Floats, Integers
+from numpy.typing import NDArray
+
+from isograde.oracles.lattice import Lattice
+
+Place = tuple[int, int, int]
+
+HALVES = (0, 1, 2)
+PLACES: tuple[Place, ...] = tuple((a, b, c) for a in HALVES for b in HALVES for c in HALVES)
+NODES: tuple[Place, ...] = tuple(p for p in PLACES if p.count(1) == 1)
+CORNERS: tuple[Place, ...] = tuple(p for p in PLACES if p.count(1) == 0)
+FACES: tuple[tuple[int, int], ...] = tuple((axis, side) for axis in range(3) for side in (0, 2))
+NOWHERE = 27
+
+
+def number(place: Place) -> int:
+    """9 a + 3 b + c, for a node or a corner in half steps."""
+    return 9 * place[0] + 3 * place[1] + place[2]
+
+
+def nodes_on(face: tuple[int, int]) -> tuple[Place, ...]:
+    """The four nodes on a face.
+
+    >>> nodes_on((2, 0))
+    ((0, 1, 0), (1, 0, 0), (1, 2, 0), (2, 1, 0))
+    """
+    axis, side = face
+    return tuple(p for p in NODES if p[axis] == side)
+
+
+def segments_on(face: tuple[int, int]) -> tuple[tuple[Place, Place], ...]:
+    """The six pairs of nodes on a face, in the order of the code's bits."""
+    return tuple(combinations(nodes_on(face), 2))
+
+
+@cache
+def _bits() -> Integers:
+    """(28 * 28,) the code's bit of a segment between two nodes, 0 where there is none."""
+    table = np.zeros((28, 28), np.int64)
+    for f, face in enumerate(FACES):
+        for s, (p, q) in enumerate(segments_on(face)):
+            table[number(p), number(q)] = table[number(q), number(p)] = 1 << (6 * f + s)
+    return table.reshape(-1)
+
+
+def _ends(node: Place) -> tuple[Place, Place]:
+    """The two corners of a node's lattice edge."""
+    a, b = (tuple(side if x == 1 else x for x in node) for side in (0, 2))
+    return (a[0], a[1], a[2]), (b[0], b[1], b[2])
+
+
+def _cut(face: tuple[int, int], corners: set[Place]) -> int:
+    """The bits of the segments that cut these corners off, one by one."""
+    return sum(
+        1 << s
+        for s, (p, q) in enumerate(segments_on(face))
+        if set(_ends(p)) & set(_ends(q)) & corners
+    )
+
+
+def _legal_on(face: tuple[int, int], inside: set[Place]) -> tuple[int, int]:
+    """A face's legal traces, six bits each: inside corners separated, and joined."""
+    axis, side = face
+    corners = {c for c in CORNERS if c[axis] == side}
+    crossed = [p for p in nodes_on(face) if len(set(_ends(p)) & inside) == 1]
+    if len(crossed) == 4:
+        return _cut(face, corners & inside), _cut(face, corners - inside)
+    if not crossed:
+        return 0, 0
+    segment = 1 << segments_on(face).index((crossed[0], crossed[1]))
+    return segment, segment
+
+
+@cache
+def legal() -> Integers:
+    """(256, 6, 2) legal traces of each face of each cell: separated first, joined second.
+
+    Bit c of the cell's number is set where the corner ``CORNERS[c]`` is inside. Where the two are
+    equal, the face is not ambiguous.
+    """
+    table = np.zeros((256, 6, 2), np.int64)
+    for signs in range(256):
+        inside = {c for bit, c in enumerate(CORNERS) if signs >> bit & 1}
+        table[signs] = [_legal_on(face, inside) for face in FACES]
+    return table
+
+
+@cache
+def polygons(code: int) -> int:
+    """Number of closed curves that a trace consists of.
+
+    >>> polygons(0)
+    0
+    """
+    segments = [
+        pair
+        for f, face in enumerate(FACES)
+        for s, pair in enumerate(segments_on(face))
+        if code >> (6 * f + s) & 1
+    ]
+    group = {p: p for pair in segments for p in pair}
+    for p, q in segments:
+        old, new = group[p], group[q]
+        group = {node: new if g == old else g for node, g in group.items()}
+    return len(set(group.values()))
+
+
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """What a mesh does in each cell that the field or the mesh makes active.
+
+    Attributes
+    ----------
+    cell : (n,) flat index of each cell, increasing
+    place : (n, 3) its lowest corner
+    signs : (n,) its corners' sides, as in `legal`
+    tied : (n,) a corner is a tied sample: what the mesh does there is not judged
+    code : (n,) its trace
+    flat : (n,) the trace of flat triangles on its faces, whichever cell they belong to
+    triangles : (n,) triangles in it
+    extra : (n,) vertices strictly inside it
+    spanning : triangles that no single cell contains
+    """
+
+    cell: Integers
+    place: Integers
+    signs: Integers
+    tied: Booleans
+    code: Integers
+    flat: Integers
+    triangles: Integers
+    extra: Integers
+    spanning: Integers
+
+    @cached_property
+    def faces(self) -> Integers:
+        """(n, 6) the trace of each face."""
+        return _by_face(self.code)
+
+    @cached_property
+    def with_flat(self) -> Integers:
+        """(n, 6) the trace of each face, flat triangles taken as this cell's."""
+        return _by_face(self.code ^ self.flat)
+
+    @cached_property
+    def ambiguous(self) -> Booleans:
+        """(n, 6) faces with two legal traces."""
+        pairs = legal()[self.signs]
+        return np.asarray(pairs[..., 0] != pairs[..., 1])
+
+    @cached_property
+    def separated(self) -> Booleans:
+        """(n, 6) faces whose trace is the one that separates the inside corners."""
+        return self._is(legal()[self.signs, :, 0])
+
+    @cached_property
+    def joined(self) -> Booleans:
+        """(n, 6) faces whose trace is the one that joins the inside corners."""
+        return self._is(legal()[self.signs, :, 1])
+
+    def _is(self, wanted: Integers) -> Booleans:
+        """(n, 6) the wanted trace is there, with or without the flat triangles."""
+        return np.asarray((self.faces == wanted) | (self.with_flat == wanted))
+
+    @property
+    def polygons(self) -> Integers:
+        """(n,) number of closed curves in each cell's trace."""
+        codes, group = np.unique(self.code, return_inverse=True)
+        counts = np.array([polygons(int(c)) for c in codes], np.int64)
+        return counts[group]
+
+    @property
+    def segments(self) -> Integers:
+        """(n,) number of segments in each cell's trace."""
+        ones = np.array([x.bit_count() for x in range(64)])
+        return np.asarray(ones[self.faces].sum(axis=1))
+
+
+def _by_face(code: Integers) -> Integers:
+    """(n, 6) six bits a face."""
+    split: Integers = (code[:, None] >> (6 * np.arange(6))) & 63
+    return split
+
+
+def signs_of(lattice: Lattice) -> NDArray[np.uint8]:
+    """(N1 - 1, N2 - 1, N3 - 1) the sides of every cell's corners, as in `legal`."""
+    n = [max(size - 1, 0) for size in lattice.shape]
+    signs: NDArray[np.uint8] = np.zeros(n, np.uint8)
+    for bit, corner in enumerate(CORNERS):
+        window = tuple(slice(x // 2, x // 2 + size) for x, size in zip(corner, n, strict=True))
+        signs |= lattice.inside[window].astype(np.uint8) << np.uint8(bit)
+    return signs
+
+
+def traces(lattice: Lattice, places: Floats, faces: Integers) -> Traces:
+    """The trace of every active cell; triangles outside the volume are not looked at."""
+    shape = np.maximum(np.subtract(lattice.shape, 1), 0)
+    signs = signs_of(lattice)
+    active = np.flatnonzero((signs != 0) & (signs != 255))
+    corner, code, extent = _triangles(lattice, places, faces)
+    here = ((corner >= 0) & (corner < shape)).all(axis=1)
+    proper = here & (extent == 1).all(axis=1)
+    own = _flat_index(corner[proper], shape)
+    cell = np.union1d(active, own)
+    at = np.searchsorted(cell, own)
+    place = np.stack(np.unravel_index(cell, tuple(np.maximum(shape, 1))), axis=1)
+    order = np.argsort(at, kind="stable")
+    count = np.bincount(at, minlength=len(cell))
+    total = np.zeros(len(cell), np.int64)
+    busy = np.flatnonzero(count)
+    if len(busy):
+        starts = (np.cumsum(count) - count)[busy]
+        total[busy] = np.bitwise_xor.reduceat(code[proper][order], starts)
+    return Traces(
+        cell,
+        place,
+        signs.reshape(-1)[cell].astype(np.int64),
+        _tied_cells(lattice, place),
+        total,
+        _flat_traces(cell, corner, code, extent, shape),
+        count,
+        _extra_vertices(lattice, places, faces, cell, shape),
+        np.flatnonzero((extent > 1).any(axis=1)),
+    )
+
+
+def _flat_index(corner: Integers, shape: Integers) -> Integers:
+    """Flat index of cells among (N1 - 1, N2 - 1, N3 - 1)."""
+    index: Integers = (corner[:, 0] * shape[1] + corner[:, 1]) * shape[2] + corner[:, 2]
+    return index
+
+
+def _triangles(
+    lattice: Lattice, places: Floats, faces: Integers
+) -> tuple[Integers, Integers, Integers]:
+    """Each triangle's cell, the bits of its edges, and its extent in whole cells along each axis.
+
+    A flat triangle has extent 0 along one axis; its cell is the upper of the two.
+    """
+    low = np.floor(places + lattice.tolerance).astype(np.int64)
+    high = np.ceil(places - lattice.tolerance).astype(np.int64)
+    a, b, c = faces[:, 0], faces[:, 1], faces[:, 2]
+    corner = np.minimum(np.minimum(low[a], low[b]), low[c])
+    extent = np.maximum(np.maximum(high[a], high[b]), high[c]) - corner
+    node = _nodes(lattice, places, low)
+    base = 2 * (corner @ [9, 3, 1])
+    p, q, r = (_within(node[v] - base) for v in (a, b, c))
+    bits = _bits()
+    return corner, bits[28 * p + q] ^ bits[28 * q + r] ^ bits[28 * r + p], extent
+
+
+def _nodes(lattice: Lattice, places: Floats, low: Integers) -> Integers:
+    """(V,) number of each vertex's node from the lattice's own zero; far below it for others."""
+    nearest = np.rint(places).astype(np.int64)
+    gap = np.abs(places - nearest)
+    free = gap.argmax(axis=1)
+    rows = np.arange(len(places))
+    on_edge = (gap <= lattice.tolerance).sum(axis=1) >= 2
+    halves = 2 * nearest
+    halves[rows, free] = 2 * low[rows, free] + 1
+    return np.where(on_edge, halves @ [9, 3, 1], -(1 << 60))
+
+
+def _within(node: Integers) -> Integers:
+    """The number where it is a place in the cell, else NOWHERE."""
+    return np.where((node >= 0) & (node < NOWHERE), node, NOWHERE)
+
+
+def _flat_traces(
+    cell: Integers, corner: Integers, code: Integers, extent: Integers, shape: Integers
+) -> Integers:
+    """(n,) the bits of the flat triangles on the faces of the cells on either side."""
+    total = np.zeros(len(cell), np.int64)
+    for axis in range(3):
+        flat = (extent[:, axis] <= 0) & ((extent > 0).sum(axis=1) == 2)
+        if not flat.any():
+            continue
+        # Seen from the upper cell the face is the lower one of its axis; from the lower cell it
+        # is the upper one, with the same pairs in the same order.
+        bits = code[flat] >> (12 * axis) & 63
+        for below in (0, 1):
+            place = corner[flat] - below * np.eye(3, dtype=np.int64)[axis]
+            there = ((place >= 0) & (place < shape)).all(axis=1)
+            index = _flat_index(place[there], shape)
+            at = np.minimum(np.searchsorted(cell, index), max(len(cell) - 1, 0))
+            known = cell[at] == index if len(cell) else np.zeros(len(at), bool)
+            shifted = bits[there][known] << (12 * axis + 6 * below)
+            np.bitwise_xor.at(total, at[known], shifted)
+    return total
+
+
+def _tied_cells(lattice: Lattice, place: Integers) -> Booleans:
+    """(n,) cells with a tied corner."""
+    tied = np.zeros(len(place), bool)
+    if lattice.tied.any():
+        for corner in CORNERS:
+            i, j, k = (place + np.asarray(corner) // 2).T
+            tied |= lattice.tied[i, j, k]
+    return tied
+
+
+def _extra_vertices(
+    lattice: Lattice, places: Floats, faces: Integers, cell: Integers, shape: Integers
+) -> Integers:
+    """(n,) vertices in use strictly inside each cell."""
+    used = np.zeros(len(places), bool)
+    used[faces] = True
+    gap = np.abs(places - np.rint(places))
+    inner = places[used & (gap > lattice.tolerance).all(axis=1)]
+    corner = np.floor(inner).astype(np.int64)
+    corner = corner[((corner >= 0) & (corner < shape)).all(axis=1)]
+    at = np.searchsorted(cell, _flat_index(corner, shape))
+    at = at[at < len(cell)]
+    return np.bincount(at, minlength=len(cell))
