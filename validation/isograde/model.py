@@ -1,18 +1,23 @@
 """The grader's vocabulary: what goes in, what comes back, what is judged, what is said of it.
 
-Data flows one way. A `Case` is a field with an isovalue; it goes through an `Adapter` as a
-`Request`, an `Outcome` comes back; each `Claim` judges a `Trial` (the case and the outcomes it
-asked for) and answers with `Finding`, which the report keeps.
+Data flows one way. A `Case` is m scalar fields on one n-dimensional lattice with m isovalues; it
+goes through an `Adapter` as a `Request`; an `Outcome` comes back, a mesh of (n - m)-simplices; each
+`Claim` judges a `Trial` (the case and the outcomes it asked for) and answers with a `Finding`,
+which the report keeps.
 
 Glossary
 --------
 implementation  the extractor under test, behind an adapter, in a process of its own
-discipline      the kind of thing it makes: surfaces, contours, curves, simplices
-level           what an implementation promises (`LEVELS`); a claim of a higher level is judged
-                and shown, but not held against it
+declaration     what it says of itself, in four words, conventions and limits
+                (`isograde.declaration`)
+kind            (n, m): contours are (2, 1), surfaces (3, 1), curves in which two isosurfaces meet
+                (3, 2)
+level           a rung of the ladder of guarantees (`LEVELS`)
+promised        a failure of the claim is held against the implementation; every claim that can be
+                judged is judged and shown, promised or not
+evidence        a case on which the claim could fail: nothing holds without it
 variant         a changed way to pose the same case (scaled values, mirrored axes, ..) whose
                 answer is known from the plain one
-vector          a case with frozen numbers and a stable id
 
 The grader shares `Field` and `Mesh` with the reference, as words are shared, and nothing else.
 """
@@ -24,20 +29,52 @@ from dataclasses import dataclass
 from dataclasses import field as fresh
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from isoref.field import Field
 from isoref.mesh import Mesh
 from numpy.typing import NDArray
 
+from isograde.declaration import Declaration
+
 LEVELS: Mapping[int, tuple[str, str]] = {
-    0: ("runs", "gives a well-formed mesh for every field"),
-    1: ("watertight", "closed, manifold, oriented, separates inside from outside samples"),
-    2: ("consistent", "every cell is legal; the same answer however the field is presented"),
-    3: ("bilinear", "faces are connected as the bilinear interpolant connects them"),
-    4: ("trilinear", "the topology of the trilinear interpolant in every cell"),
+    0: ("runs", "a well-formed mesh for every field within its limits, and known bodies come out"),
+    1: ("closed", "closed within its domain, oriented, on the right side of the samples"),
+    2: (
+        "consistent",
+        "manifold, without crossings, vertices where it says they are, every cell legal for its "
+        "interpolant, the same answer however the field is posed",
+    ),
+    3: ("bilinear", "on every face of a cell the topology of the bilinear interpolant"),
+    4: ("trilinear", "in every cell the topology of the trilinear interpolant"),
 }
+
+
+class Kind(NamedTuple):
+    """What is extracted: the common level set of m fields on an n-dimensional lattice.
+
+    >>> Kind(3, 1).k, str(Kind(3, 2)), str(Kind(4, 2))
+    (2, 'curves', '(4, 2)')
+    """
+
+    n: int
+    m: int
+
+    @property
+    def k(self) -> int:
+        """The dimension of the simplices, n - m."""
+        return self.n - self.m
+
+    def __str__(self) -> str:
+        return KINDS.get(self, f"({self.n}, {self.m})")
+
+
+SURFACES = Kind(3, 1)
+CONTOURS = Kind(2, 1)
+CURVES = Kind(3, 2)
+# The kinds that have a word of their own.
+KINDS: Mapping[Kind, str] = {CONTOURS: "contours", SURFACES: "surfaces", CURVES: "curves"}
 
 
 class Verdict(StrEnum):
@@ -45,8 +82,8 @@ class Verdict(StrEnum):
 
     PASS = "pass"
     FAIL = "fail"
-    UNSUPPORTED = "unsupported"  # the implementation declares that it does not do this
-    SKIP = "skip"  # what the case needs is absent here (a volume, a package)
+    UNSUPPORTED = "unsupported"  # the implementation says that it does not do this
+    SKIP = "skip"  # the case is no evidence, or what it needs is absent here
     ERROR = "error"  # the implementation raised where it should have answered
     CRASH = "crash"  # its process died
     TIMEOUT = "timeout"  # it ran out of time or memory
@@ -54,63 +91,24 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Conventions:
-    """How an implementation differs from the house's conventions; the defaults are the house's.
-
-    tie : side on which a sample equal to the isovalue counts
-    normals : where right-hand normals point, in the implementation's own coordinates
-    axes : order of a vertex's coordinates: of the array's axes, or reversed
-    units : vertices scaled by the spacing, or counted in samples
-    nan : what a sample that is not a number does: an error, or something else
-    empty : what a field without a surface gives: an empty mesh, or an error
-    """
-
-    tie: Literal["inside", "outside"] = "inside"
-    normals: Literal["to_low", "to_high"] = "to_low"
-    axes: Literal["array", "reversed"] = "array"
-    units: Literal["world", "index"] = "world"
-    nan: Literal["raises", "answers"] = "raises"
-    empty: Literal["mesh", "raises"] = "mesh"
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """What an implementation says of itself."""
-
-    name: str
-    version: str = ""
-    level: int = 2
-    conventions: Conventions = Conventions()
-    discipline: str = "surfaces"
-    # Properties it does not promise, each named by a claim's `unless`: "welded" (faces share
-    # vertices), "manifold", "spacing", "on-edges", "linear-crossing", "symmetric-choices", ..
-    without: frozenset[str] = frozenset()
-    notes: str = ""
-    # How it resolves every ambiguous face, where it promises that: "disconnect" the inside
-    # corners, "connect" them, or "mixed", by the average of the face (`cases.cycles`).
-    connectivity: str = ""
-    # What it answers for two surfaces that are the same, where it promises that: "nothing".
-    identical: str = ""
-
-
-@dataclass(frozen=True)
 class Case:
-    """A field, an isovalue and what is known of the surface; built when it is needed.
+    """m fields, m isovalues and what is known of the level set; built when it is needed.
 
-    id : stable, slash-separated: "cells/outside/137", "analytic/sphere-32"
-    build : the field; deterministic
-    tags : families it belongs to ("cells", "pairs", "noise", "analytic", "real", "ties", ..);
-        "full" marks what only ``--full`` runs
-    facts : known truths, by name: "area", "volume", "euler", "components", ..
-    samples : number of samples, so that the smallest failure can be named without building
+    id : stable, slash-separated: "cells/outside/137", "bodies/surfaces/torus-33-uint8"
+    build : the field, of m components; deterministic
+    samples : number of lattice points, so that the smallest failure can be named without building
+    tags : families it belongs to ("cells", "pairs", "noise", "bodies", "real", ..); "full" marks
+        what only ``--full`` runs, "posed" what is posed in every way
+    facts : what is known, by name: "area", "volume", "euler", "components", ..
     """
 
     id: str
     build: Callable[[], Field]
-    isovalue: float
+    isovalues: tuple[float, ...]
     samples: int
     tags: frozenset[str] = frozenset()
     facts: Mapping[str, Any] = fresh(default_factory=dict)
+    kind: Kind = SURFACES
 
 
 @dataclass(frozen=True)
@@ -120,7 +118,12 @@ class Request:
     case: str
     variant: str
     field: Field
-    isovalue: float
+    isovalues: tuple[float, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """(n, m)."""
+        return Kind(self.field.dimension, self.field.components)
 
 
 class Status(StrEnum):
@@ -128,8 +131,8 @@ class Status(StrEnum):
 
     OK = "ok"
     RAISED = "raised"
-    DECLINED = "declined"  # it said that it does not do this case: verdict unsupported
-    GARBAGE = "garbage"  # it answered with something that is no pair of arrays
+    DECLINED = "declined"  # it says that it does not do this case: verdict unsupported
+    GARBAGE = "garbage"  # it answered with something that is no mesh
     CRASH = "crash"
     TIMEOUT = "timeout"
     MEMORY = "memory"
@@ -139,7 +142,8 @@ class Status(StrEnum):
 class Outcome:
     """What came back from one call, already in the house's conventions.
 
-    vertices, faces : the arrays as they came (any numeric type), or None where status is not OK
+    vertices, simplices : the arrays as they came (any numeric type), or None where status is not
+        OK; polylines and polygons have become segments and triangles
     detail : the error's text, or what was wrong with the answer
     input_changed : the implementation wrote into the array it was given
     seconds, peak_bytes : cost of the call, as measured in the implementation's process
@@ -147,7 +151,7 @@ class Outcome:
 
     status: Status
     vertices: NDArray[Any] | None = None
-    faces: NDArray[Any] | None = None
+    simplices: NDArray[Any] | None = None
     detail: str = ""
     input_changed: bool = False
     seconds: float = 0.0
@@ -156,15 +160,23 @@ class Outcome:
     @cached_property
     def mesh(self) -> Mesh | None:
         """The mesh, or None where there is none that can be judged beyond its structure."""
-        if self.status is not Status.OK or self.vertices is None or self.faces is None:
+        if self.status is not Status.OK or self.vertices is None or self.simplices is None:
             return None
-        shaped = self.vertices.ndim == 2 and self.faces.ndim == 2
-        numbers = self.vertices.dtype.kind in "fiu" and self.faces.dtype.kind in "iu"
+        shaped = self.vertices.ndim == 2 and self.simplices.ndim == 2
+        numbers = self.vertices.dtype.kind in "fiu" and self.simplices.dtype.kind in "iu"
         if not shaped or not numbers or not np.isfinite(self.vertices).all():
             return None
-        if self.faces.size and (self.faces.min() < 0 or self.faces.max() >= len(self.vertices)):
+        rows = self.simplices
+        if rows.size and (rows.min() < 0 or rows.max() >= len(self.vertices)):
             return None
-        return Mesh.of(self.vertices, self.faces)
+        return Mesh.of(self.vertices, rows)
+
+    def mesh_of(self, kind: Kind) -> Mesh | None:
+        """The mesh, where its simplices are of dimension n - m in n dimensions; else None."""
+        mesh = self.mesh
+        if mesh is None or mesh.vertices.shape[1] != kind.n or mesh.dimension != kind.k:
+            return None
+        return mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +187,7 @@ class Trial:
     field: Field
     declaration: Declaration
     outcomes: Mapping[str, Outcome]
-    # What one claim computed of this trial and another may need again, such as a mesh's edges.
+    # What one claim computed of this trial and another may need again, such as a mesh's facets.
     memory: dict[str, Any] = fresh(default_factory=dict)
 
     @property
@@ -184,9 +196,19 @@ class Trial:
         return self.outcomes["plain"]
 
     @property
+    def kind(self) -> Kind:
+        """(n, m)."""
+        return self.case.kind
+
+    @property
+    def isovalues(self) -> tuple[float, ...]:
+        """One isovalue a component."""
+        return self.case.isovalues
+
+    @property
     def mesh(self) -> Mesh:
         """The plain outcome's mesh; judges of anything but structure are called only with one."""
-        mesh = self.plain.mesh
+        mesh = self.plain.mesh_of(self.kind)
         assert mesh is not None, "the runner calls this judge only where there is a mesh"
         return mesh
 
@@ -203,6 +225,18 @@ class Finding:
 Judge = Callable[[Trial], Finding]
 
 
+def every_kind(kind: Kind) -> bool:
+    """A claim that can be said of every (n, m)."""
+    del kind
+    return True
+
+
+def every_family(declaration: Declaration) -> bool:
+    """A claim that can be said of every interpolant and every placing of vertices."""
+    del declaration
+    return True
+
+
 @dataclass(frozen=True)
 class Claim:
     """One sentence that is true or false of an implementation, and who decides it.
@@ -211,13 +245,16 @@ class Claim:
     rule : the sentence
     source : where the rule comes from (paper, section, equation)
     level : the rung of the ladder it belongs to, or None beside the ladder
-    weld : which vertices count as one: "as given", or "exact" (equal coordinates)
-    judge : decides a trial
+    judge : decides a trial; PASS only where the trial could have failed, else SKIP
+    kinds : the (n, m) it can be said of
+    families : the declarations (interpolant, placing of vertices, ..) it can be said of
     tags : a case is judged when it has one of these (empty: every case)
-    variants : the variants the judge compares with the plain outcome; one that the case's
-        values do not allow (see `isograde.variants`) is absent from the trial
+    variants : the variants the judge compares with the plain outcome, as names or, ending in "/",
+        as the beginning of names; one that the case's values do not allow is absent from the trial
     needs_mesh : False for judges that look at the raw outcome (structure, robustness)
-    unless : a declaration's `without` entry that makes this claim unsupported
+    promised : it is promised by who says nothing; above the level promised (2 unless declared) and
+        for claims of choice it is not
+    firm : it cannot be taken out of the promise
     """
 
     id: str
@@ -225,16 +262,21 @@ class Claim:
     source: str
     level: int | None
     judge: Judge
-    weld: Literal["as given", "exact"] = "as given"
+    kinds: Callable[[Kind], bool] = every_kind
+    families: Callable[[Declaration], bool] = every_family
     tags: frozenset[str] = frozenset()
     variants: tuple[str, ...] = ()
     needs_mesh: bool = True
-    unless: frozenset[str] = frozenset()
-    discipline: str = "surfaces"
+    promised: bool = True
+    firm: bool = False
 
     def applies_to(self, case: Case) -> bool:
         """The claim is judged on this case."""
-        return not self.tags or bool(self.tags & case.tags)
+        return self.kinds(case.kind) and (not self.tags or bool(self.tags & case.tags))
+
+    def held(self, declaration: Declaration) -> bool:
+        """A failure of the claim counts against who declares this."""
+        return self.firm or declaration.promises(self.id, self.level, self.promised)
 
 
 @dataclass(frozen=True)
@@ -245,8 +287,8 @@ class Limits:
     megabytes: int = 4096
 
 
-# An implementation in Python: a function of samples, isovalue and spacing (`adapters.loading`).
-Extract = Callable[[NDArray[Any], float, tuple[float, ...]], Any]
+# An implementation in Python: a function of samples, isovalue (or isovalues) and spacing.
+Extract = Callable[[NDArray[Any], Any, tuple[float, ...]], Any]
 
 
 class AdapterError(RuntimeError):

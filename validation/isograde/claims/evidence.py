@@ -1,4 +1,10 @@
-"""What judges share: the truths about one trial, each computed once, and how to say a finding."""
+"""What judges share: the oracles' answers about one trial, each computed once, and how to say it.
+
+A mesh is judged as it is given: vertices count as one where they share an index. There are two
+exceptions. In a soup, vertices within its declared tolerance count as one. And where a mesh is
+open, and a sample is tied, vertices at one tied sample are made one before it is judged again: an
+implementation may have one vertex or several there. Nothing is welded anywhere else.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +14,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
+from isoref.mesh import Mesh
+from scipy.spatial import KDTree
 
 from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.bilinear import tied_saddle
+from isograde.oracles.complexes import Complex, components_of
+from isograde.oracles.degree import Meetings, meetings
 from isograde.oracles.lattice import Lattice
-from isograde.oracles.traces import Traces, traces
-from isograde.oracles.winding import Steps, steps
 
 T = TypeVar("T")
-
-PASSED = Finding(Verdict.PASS)
 
 
 def passed(**numbers: Any) -> Finding:
@@ -31,7 +37,7 @@ def failed(detail: str, **numbers: Any) -> Finding:
 
 
 def skipped(detail: str) -> Finding:
-    """The case offers nothing to judge the claim by."""
+    """The case is no evidence: the claim could not fail on it."""
     return Finding(Verdict.SKIP, detail)
 
 
@@ -53,14 +59,14 @@ def remembered(trial: Trial, key: str, compute: Callable[[], T]) -> T:
     return value
 
 
-def on_triangles(judge: Judge) -> Judge:
-    """The judge, for outcomes that are triangles in space; anything else is not run."""
+def on_mesh(judge: Judge) -> Judge:
+    """The judge, for outcomes that are meshes of the case's kind; anything else is not run."""
 
     @wraps(judge)
     def guarded(trial: Trial) -> Finding:
-        mesh = trial.plain.mesh
-        if mesh is None or mesh.vertices.shape[1] != 3 or mesh.simplices.shape[1] != 3:
-            return Finding(Verdict.NOT_RUN, "there are no triangles in space to judge")
+        if trial.plain.mesh_of(trial.kind) is None:
+            n, k = trial.kind.n, trial.kind.k
+            return Finding(Verdict.NOT_RUN, f"there is no mesh of dimension {k} in {n} to judge")
         return judge(trial)
 
     return guarded
@@ -69,70 +75,94 @@ def on_triangles(judge: Judge) -> Judge:
 def lattice_of(trial: Trial) -> Lattice:
     """The trial's samples and sides, with the declared side of a tie."""
     return remembered(
-        trial,
-        "lattice",
-        lambda: Lattice.of(trial.field, trial.case.isovalue, trial.declaration.conventions.tie),
+        trial, "lattice", lambda: Lattice.of(trial.field, trial.isovalues, trial.declaration)
     )
 
 
-def surface_of(trial: Trial) -> Surface:
-    """The plain outcome's surface, its vertices in index coordinates."""
+def is_general(trial: Trial) -> bool:
+    """The field is in general position: nothing about its level set hangs on rounding."""
+
+    def compute() -> bool:
+        lattice = lattice_of(trial)
+        if lattice.tied.any():
+            return False
+        ambiguous = trial.kind.m == 1 and trial.declaration.interpolant == "multilinear"
+        return not (ambiguous and tied_saddle(lattice))
+
+    return remembered(trial, "general", compute)
+
+
+def complex_of(trial: Trial) -> Complex:
+    """The plain outcome's mesh, its vertices in index coordinates; a soup's are welded."""
+    return remembered(trial, "complex", lambda: placed(trial, trial.mesh))
+
+
+def placed(trial: Trial, mesh: Mesh) -> Complex:
+    """A mesh that answers the trial's field, in index coordinates; a soup's vertices welded."""
+    found = Complex.of(lattice_of(trial).index(mesh.vertices), mesh.simplices)
+    soup = trial.declaration.soup
+    return found if soup is None else found.renamed(clusters(found.points, soup))
+
+
+def clusters(points: Floats, tolerance: float) -> Integers:
+    """(V,) for each vertex one that stands for all within the tolerance of it, chained."""
+    _, first, name = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
+    if tolerance > 0 and len(first) > 1:
+        near = KDTree(points[first]).query_pairs(tolerance, output_type="ndarray").T
+        _, cluster = components_of(len(first), near)
+        example = np.unique(cluster, return_index=True)[1]
+        first = first[example[cluster]]
+    renamed: Integers = first[name.reshape(-1)]
+    return renamed
+
+
+def judged_complex(trial: Trial) -> Complex:
+    """The mesh as given; where it is open and ties could be why, welded at tied samples."""
+
+    def compute() -> Complex:
+        found = complex_of(trial)
+        loose = off_border(trial, found.unbalanced_facets)
+        return welded_at_ties(trial) if len(loose) and lattice_of(trial).tied.any() else found
+
+    return remembered(trial, "judged complex", compute)
+
+
+def welded_at_ties(trial: Trial) -> Complex:
+    """The mesh, its vertices at one tied sample made one, and no others."""
+
+    def compute() -> Complex:
+        found, lattice = complex_of(trial), lattice_of(trial)
+        at = np.flatnonzero(lattice.at_tie(found.points))
+        sample = np.rint(found.points[at]).astype(np.int64)
+        flat = np.ravel_multi_index(tuple(sample.T), lattice.shape)
+        _, first, group = np.unique(flat, return_index=True, return_inverse=True)
+        name = np.arange(len(found.points))
+        name[at] = at[first[group.reshape(-1)]]
+        points = found.points.copy()
+        points[at] = sample
+        return Complex(points, found.simplices).renamed(name)
+
+    return remembered(trial, "welded at ties", compute)
+
+
+def meetings_of(trial: Trial) -> Meetings:
+    """The faces of the lattice that the plain outcome's mesh, or the field, meets."""
+    found = complex_of(trial)
     return remembered(
-        trial,
-        "surface",
-        lambda: Surface.of(lattice_of(trial).index(trial.mesh.vertices), trial.mesh.simplices),
+        trial, "meetings", lambda: meetings(lattice_of(trial), found.points, found.simplices)
     )
 
 
-def judged_surface(trial: Trial) -> Surface:
-    """The surface as given; where it is open there and ties could be why, welded."""
-
-    def compute() -> Surface:
-        surface = surface_of(trial)
-        loose = off_border(trial, surface.open_edges)
-        return welded(trial) if len(loose) and lattice_of(trial).tied.any() else surface
-
-    return remembered(trial, "judged surface", compute)
-
-
-def welded(trial: Trial) -> Surface:
-    """The surface, vertices at a tied sample or of exactly equal coordinates made one."""
-
-    def compute() -> Surface:
-        surface = surface_of(trial)
-        at_tie = lattice_of(trial).at_tie(surface.points)[:, None]
-        points = np.where(at_tie, np.rint(surface.points), surface.points)
-        return Surface(points, surface.faces).welded()
-
-    return remembered(trial, "welded", compute)
-
-
-def steps_of(trial: Trial) -> Steps:
-    """The steps between samples that the plain outcome's surface, or the field, makes."""
-    surface = surface_of(trial)
-    return remembered(
-        trial, "steps", lambda: steps(lattice_of(trial), surface.points, surface.faces)
-    )
-
-
-def traces_of(trial: Trial) -> Traces:
-    """The plain outcome's traces in the cells."""
-    surface = surface_of(trial)
-    return remembered(
-        trial, "traces", lambda: traces(lattice_of(trial), surface.points, surface.faces)
-    )
-
-
-def off_border(trial: Trial, edges: Integers, points: Floats | None = None) -> Integers:
-    """Those of the edges that do not lie on one side of the volume's border."""
-    if not len(edges):
-        return edges
-    places = surface_of(trial).points if points is None else points
-    return edges[~lattice_of(trial).on_border(places, edges)]
+def off_border(trial: Trial, rows: Integers, points: Floats | None = None) -> Integers:
+    """Those of the facets that do not lie at an open end of the domain."""
+    if not len(rows):
+        return rows
+    places = complex_of(trial).points if points is None else points
+    return rows[~lattice_of(trial).on_border(places, rows)]
 
 
 def off_ties(trial: Trial, places: Floats) -> Booleans:
-    """(n,) places that are not a tied sample, where sheets may touch."""
+    """(r,) places that are not a tied sample, where sheets may touch."""
     return ~lattice_of(trial).at_tie(places)
 
 
@@ -143,7 +173,7 @@ def place(point: Floats) -> list[float]:
 
 def answered(outcome: Outcome) -> bool:
     """The call came back with two arrays."""
-    return outcome.vertices is not None and outcome.faces is not None
+    return outcome.vertices is not None and outcome.simplices is not None
 
 
 def first_row(rows: Integers) -> list[int]:

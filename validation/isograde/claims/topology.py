@@ -1,252 +1,288 @@
-"""Claims on how the mesh hangs together, and on which side of it the samples are (level 1).
+"""Claims on how the mesh hangs together, and on which side of it the samples are.
 
-Vertices count as one where the implementation says so, by sharing an index. There is one
-exception, and it is only for fields with *ties*, samples that stand on the surface to within the
-tolerance: an implementation may have one vertex or several there, and leave out the faces without
-area between them. Where such a mesh is open as given, vertices at one tied sample, or of exactly
-equal coordinates, are welded before it is judged. And as sheets may touch at a tied sample, an
-edge or a vertex that is not manifold there is not held against a mesh.
+They are said of every (n, m): contours, surfaces, curves in which surfaces meet, simplices of any
+dimension. A *facet* is an end of a segment, an edge of a triangle, and so on. How vertices count as
+one, and what is excused at ties, is said in `isograde.claims.evidence`; what an open end of the
+domain is, in `isograde.declaration`. As sheets may touch at a tied sample, a facet or a vertex that
+is not manifold there is not held against a mesh.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from isoref.field import Integers
 
 from isograde.claims.evidence import (
+    complex_of,
     failed,
-    judged_surface,
+    judged_complex,
     lattice_of,
+    meetings_of,
     off_border,
     off_ties,
-    on_triangles,
+    on_mesh,
     passed,
     place,
-    steps_of,
-    traces_of,
-    welded,
+    skipped,
+    welded_at_ties,
 )
-from isograde.model import Claim, Finding, Judge, Trial
-from isograde.oracles.bilinear import saddles
-from isograde.oracles.winding import TooWideError
+from isograde.model import Claim, Finding, Judge, Kind, Trial
+from isograde.oracles.complexes import EXACT, Complex
+from isograde.oracles.degree import TooWideError
 
-WELDED = frozenset({"welded"})
-MANIFOLD = frozenset({"welded", "manifold"})
-SEPARATES = frozenset({"separates"})
-HATCHER = "A. Hatcher, Algebraic Topology, 2002, chapter 2: a surface has a boundary or it has none"
+HATCHER = (
+    "A. Hatcher, Algebraic Topology, 2002, chapter 2: a manifold has a boundary or it has none"
+)
 NIELSON = "Nielson & Hamann 1991, section 1 and Figure 3: the holes of the marching cubes method"
+MILNOR = (
+    "J. Milnor, Topology from the differentiable viewpoint, 1965: degree and intersection number"
+)
+
+
+def has_facets(kind: Kind) -> bool:
+    """Points have no facets; simplices of every higher dimension do."""
+    return kind.k >= 1
+
+
+def facet(kind: Kind) -> str:
+    """What a facet is called: an end, an edge, or a facet."""
+    return {1: "end", 2: "edge"}.get(kind.k, "facet")
+
+
+def where(found: Complex, row: Integers) -> str:
+    """Where a facet is, by the places of its vertices."""
+    return " to ".join(str(place(point)) for point in found.points[row])
 
 
 def closed(trial: Trial) -> Finding:
-    """Pass when every edge off the border belongs to an even number of faces."""
-    surface = judged_surface(trial)
-    loose = off_border(trial, surface.open_edges, surface.points)
+    """Pass when every facet off the open ends belongs to an even number of simplices."""
+    found = judged_complex(trial)
+    if not len(found.facets.rows):
+        return skipped("there is no simplex")
+    loose = _unmatched(trial, off_border(trial, found.open_facets, found.points), found)
     if not len(loose):
-        return passed(edges=len(surface.edges.ends))
-    joined = welded(trial)
-    still = len(off_border(trial, joined.open_edges, joined.points))
-    advice = "" if still else "; it is closed once equal vertices are welded: share them"
-    a, b = surface.points[loose[0]]
+        return passed(facets=len(found.facets.rows))
+    advice, still = _if_welded(trial)
+    name = facet(trial.kind)
     return failed(
-        f"{len(loose)} boundary edges inside the volume, the first from index {place(a)} to "
-        f"{place(b)}{advice}",
-        boundary_edges=len(loose),
-        boundary_edges_after_welding=still,
-        first=[place(a), place(b)],
+        f"{len(loose)} {name}s inside the domain belong to one simplex only, the first at index "
+        f"{where(found, loose[0])}{advice}",
+        boundary_facets=len(loose),
+        boundary_facets_after_welding=still,
+        first=[place(point) for point in found.points[loose[0]]],
     )
 
 
-def edge_manifold(trial: Trial) -> Finding:
-    """Pass when no edge belongs to more than two faces, but between tied samples."""
-    surface = judged_surface(trial)
-    crowded = surface.crowded_edges
-    if len(crowded):
-        tied = ~off_ties(trial, surface.points[crowded].reshape(-1, 3)).reshape(-1, 2)
-        crowded = crowded[~tied.any(axis=1)]
-    if not len(crowded):
-        return passed(edges=len(surface.edges.ends))
-    a, b = surface.points[crowded[0]]
-    return failed(
-        f"{len(crowded)} edges belong to more than two faces, the first from index {place(a)} to "
-        f"{place(b)}",
-        edges=len(crowded),
-        first=[place(a), place(b)],
-    )
+def _unmatched(trial: Trial, rows: Integers, found: Complex) -> Integers:
+    """The open facets that have no partner one period away along a periodic axis."""
+    lattice = lattice_of(trial)
+    for axis, end in enumerate(lattice.ends):
+        if end.end != "periodic" or not len(rows):
+            continue
+        places = found.points[rows]
+        sides = []
+        for plane in (lattice.first[axis], lattice.last[axis]):
+            at = np.flatnonzero(
+                (np.abs(places[..., axis] - plane) <= lattice.tolerance).all(axis=1)
+            )
+            around = np.delete(places[at], axis, axis=2).round(5)
+            keys = [tuple(sorted(map(tuple, row))) for row in around.tolist()]
+            sides.append(dict(zip(keys, at.tolist(), strict=True)))
+        paired = [side[key] for key in sides[0].keys() & sides[1].keys() for side in sides]
+        rows = np.delete(rows, paired, axis=0)
+    return rows
 
 
-def vertex_manifold(trial: Trial) -> Finding:
-    """Pass when the faces round each vertex are one fan, but at tied samples."""
-    surface = judged_surface(trial)
-    bad = np.flatnonzero(surface.fans > 1)
-    if len(bad):
-        bad = bad[off_ties(trial, surface.points[bad])]
-    if not len(bad):
-        return passed(vertices=len(surface.points))
-    first = int(bad[0])
-    return failed(
-        f"{len(bad)} vertices where several sheets meet, the first at index "
-        f"{place(surface.points[first])} with {int(surface.fans[first])} fans",
-        vertices=len(bad),
-        first=place(surface.points[first]),
-    )
+def _if_welded(trial: Trial) -> tuple[str, int]:
+    """What welding equal vertices, or nearly equal ones, would mend; facets open even then."""
+    found = complex_of(trial)
+    welded = found.welded()
+    still = len(off_border(trial, welded.open_facets, welded.points))
+    if not still:
+        return "; it is closed once equal vertices are welded: share them", 0
+    from isograde.claims.evidence import clusters
+
+    near = found.renamed(clusters(found.points, NEARLY))
+    if not len(off_border(trial, near.open_facets, near.points)):
+        told = (
+            f"; it is closed at {NEARLY:g} of a cell: the interpolation along an edge depends on "
+        )
+        return told + "the direction in which the edge is walked", still
+    return "", still
+
+
+# Vertices of a soup that were interpolated from either end of an edge are this near, in cells.
+NEARLY = 1e-5
 
 
 def oriented(trial: Trial) -> Finding:
-    """Pass when the two faces of every edge run along it in opposite directions."""
-    surface = judged_surface(trial)
-    bad = surface.misdirected_edges
+    """Pass when the simplices of every facet give it opposite orientations."""
+    if trial.declaration.conventions.normals == "none":
+        return skipped("it declares that its simplices are not oriented")
+    found = judged_complex(trial)
+    even = found.facets.uses % 2 == 0
+    if not even.any():
+        return skipped("no two simplices share a facet")
+    bad = found.misdirected_facets
+    if len(bad):
+        bad = bad[
+            off_ties(trial, found.points[bad].reshape(-1, trial.kind.n))
+            .reshape(len(bad), -1)
+            .any(axis=1)
+        ]
     if not len(bad):
-        return passed(edges=len(surface.edges.ends))
-    a, b = surface.points[bad[0]]
+        return passed(facets=int(even.sum()))
     return failed(
-        f"{len(bad)} edges whose faces turn opposite ways, the first from index {place(a)} to "
-        f"{place(b)}",
-        edges=len(bad),
-        first=[place(a), place(b)],
+        f"{len(bad)} {facet(trial.kind)}s whose simplices turn opposite ways, the first at index "
+        f"{where(found, bad[0])}",
+        facets=len(bad),
+        first=[place(point) for point in found.points[bad[0]]],
     )
 
 
-def separates(trial: Trial) -> Finding:
-    """Pass when the winding number changes between two samples exactly where they differ."""
-    try:
-        steps = steps_of(trial)
-    except TooWideError as error:
-        return failed(str(error))
-    bad = np.flatnonzero(steps.unseparated)
-    if not len(bad):
-        return passed(crossed=len(steps.axis))
-    first = int(bad[0])
-    start = [int(i) for i in steps.sample[first]]
-    side = "the same side" if not steps.wanted[first] else "different sides"
-    return failed(
-        f"{len(bad)} steps between samples; from sample {start} along axis "
-        f"{int(steps.axis[first])} the samples are on {side}, and the mesh is crossed "
-        f"{int(steps.found[first]):+d} times",
-        steps=len(bad),
-        sample=start,
-        axis=int(steps.axis[first]),
-        crossings=int(steps.found[first]),
-        wanted=int(steps.wanted[first]),
-    )
+def manifold(trial: Trial) -> Finding:
+    """Pass when no facet has more than two simplices and every vertex's link is as it must be."""
+    found = judged_complex(trial)
+    if not len(found.simplices):
+        return skipped("there is no simplex")
+    crowded = found.crowded_facets
+    if len(crowded):
+        free = off_ties(trial, found.points[crowded].reshape(-1, trial.kind.n))
+        crowded = crowded[free.reshape(len(crowded), -1).all(axis=1)]
+    if len(crowded):
+        return failed(
+            f"{len(crowded)} {facet(trial.kind)}s belong to more than two simplices, the first at "
+            f"index {where(found, crowded[0])}",
+            facets=len(crowded),
+            first=[place(point) for point in found.points[crowded[0]]],
+        )
+    bad = found.singular_vertices
+    bad = bad[off_ties(trial, found.points[bad])] if len(bad) else bad
+    if len(bad):
+        return failed(
+            f"{len(bad)} vertices where several sheets meet, the first at index "
+            f"{place(found.points[bad[0]])}",
+            vertices=len(bad),
+            first=place(found.points[bad[0]]),
+        )
+    exact = {} if trial.kind.k <= EXACT else {"links": "Euler characteristics only"}
+    return passed(facets=len(found.facets.rows), vertices=int(found.used.sum()), **exact)
 
 
-def facing(trial: Trial) -> Finding:
-    """Pass when the normal points the declared way wherever the mesh separates two samples."""
-    try:
-        steps = steps_of(trial)
-    except TooWideError as error:
-        return failed(str(error))
-    bad = np.flatnonzero(steps.reversed)
-    if not len(bad):
-        return passed(crossed=len(steps.axis))
-    first = int(bad[0])
-    start = [int(i) for i in steps.sample[first]]
-    declared = trial.declaration.conventions.normals
-    return failed(
-        f"on {len(bad)} of {len(steps.axis)} crossings, the first after sample {start} along axis "
-        f"{int(steps.axis[first])}, the right-hand normal is against the declared {declared!r}",
-        reversed=len(bad),
-        crossings=len(steps.axis),
-        sample=start,
-    )
+def sides(trial: Trial) -> Finding:
+    """Pass when the mesh meets every face of the lattice as often, with sign, as its samples say.
 
-
-def bilinear(trial: Trial) -> Finding:
-    """Pass when every ambiguous face is connected as the bilinear interpolant connects it.
-
-    A face whose saddle is exactly on the surface may be either way, and cells with a tied corner
-    are not judged.
+    Points have no orientation of their own: there the numbers agree modulo two, and there are at
+    least as many as the degree says.
     """
-    traces, lattice = traces_of(trial), lattice_of(trial)
-    row, face, sign, _ = saddles(lattice, traces)
-    judged = ~traces.tied[row]
-    row, face, sign = row[judged], face[judged], sign[judged]
-    separated, joined = traces.separated[row, face], traces.joined[row, face]
-    bad = np.flatnonzero(np.where(sign > 0, ~joined, np.where(sign < 0, ~separated, False)))
-    counts = {
-        "faces": len(row),
-        "joined": int(joined.sum()),
-        "separated": int(separated.sum()),
-        "degenerate": int((sign == 0).sum()),
-    }
+    lattice, kind = lattice_of(trial), trial.kind
+    if kind.m > 2 and trial.declaration.interpolant != "tetrahedra":
+        return skipped("the samples alone do not fix the degree on faces of dimension 3 and more")
+    try:
+        met = meetings_of(trial)
+    except TooWideError as error:
+        return failed(str(error))
+    if not len(met.found):
+        return skipped("no judged face of the lattice is met, or should be")
+    signed = trial.declaration.conventions.normals != "none" and kind.k > 0
+    wrong = met.wrong(signed=signed)
+    if kind.k == 0:
+        wrong = (np.abs(met.found) < np.abs(met.wanted)) | ((met.found - met.wanted) % 2 != 0)
+    bad = np.flatnonzero(wrong)
     if not len(bad):
-        return passed(**counts)
-    n = int(bad[0])
-    cell, f = traces.place[row[n]].tolist(), int(face[n])
+        return passed(faces=len(met.found), met=int(np.abs(met.wanted).sum()))
+    first = int(bad[0])
+    corner, axes = met.corner[first].tolist(), met.axes[first].tolist()
+    reverse = int(met.reversed.sum())
+    told = (
+        f"; on {reverse} of them it is met the right number of times with normals the other way"
+        if reverse
+        else ""
+    )
+    what = "step" if kind.m == 1 else "face"
     return failed(
-        f"{len(bad)} of {len(row)} ambiguous faces; on the {'low' if f % 2 == 0 else 'high'} face "
-        f"of axis {f // 2} of the cell at {cell} the bilinear interpolant "
-        f"{'joins' if sign[n] > 0 else 'separates'} the inside corners",
-        wrong=len(bad),
-        cell=cell,
-        face=f,
-        **counts,
+        f"{len(bad)} of {len(met.found)} {what}s of the lattice; on that from sample {corner} along "
+        f"{'axis' if kind.m == 1 else 'axes'} {', '.join(map(str, axes))} the samples ask for "
+        f"{int(met.wanted[first]):+d}, and the mesh meets it {int(met.found[first]):+d} times{told}",
+        faces=len(bad),
+        judged=len(met.found),
+        reversed=reverse,
+        sample=corner,
+        axes=axes,
+        found=int(met.found[first]),
+        wanted=int(met.wanted[first]),
+        inside=[bool(side[tuple(corner)]) for side in lattice.sides],
     )
 
 
-def _claim(
-    name: str, rule: str, source: str, judge: Judge, unless: frozenset[str] = WELDED
-) -> Claim:
-    """A claim of this family: level 1, vertices as given."""
+def ties(trial: Trial) -> Finding:
+    """Pass when, equal vertices welded, the boundary of the oriented mesh cancels off the ends."""
+    if not lattice_of(trial).tied.any():
+        return skipped("no sample is tied")
+    found = complex_of(trial)
+    if not len(found.simplices):
+        return skipped("there is no simplex")
+    for tried in (found, welded_at_ties(trial), found.welded()):
+        loose = off_border(trial, tried.unbalanced_facets, tried.points)
+        if not len(loose):
+            return passed(facets=len(tried.facets.rows))
+    return failed(
+        f"{len(loose)} {facet(trial.kind)}s inside the domain are not cancelled, even with equal "
+        "vertices welded",
+        facets=len(loose),
+    )
+
+
+def _claim(name: str, rule: str, source: str, level: int | None, judge: Judge) -> Claim:
+    """A claim of this family, on all kinds that have facets."""
     return Claim(
         id=f"topology.{name}",
         rule=rule,
         source=source,
-        level=1,
-        judge=on_triangles(judge),
-        unless=unless,
+        level=level,
+        judge=on_mesh(judge),
+        kinds=has_facets,
     )
 
 
 CLAIMS = (
     _claim(
         "closed",
-        "The mesh has no boundary but on the border of the volume: every other edge belongs to an "
-        "even number of faces.",
+        "The mesh has no boundary but at the open ends of its domain: every other facet belongs to "
+        "an even number of simplices.",
         NIELSON,
+        1,
         closed,
-        unless=WELDED | {"closed"},
-    ),
-    _claim(
-        "edge_manifold",
-        "No edge belongs to more than two faces.",
-        HATCHER,
-        edge_manifold,
-        unless=MANIFOLD,
-    ),
-    _claim(
-        "vertex_manifold",
-        "The faces round every vertex are one fan: no two sheets meet in a point.",
-        HATCHER,
-        vertex_manifold,
-        unless=MANIFOLD,
     ),
     _claim(
         "oriented",
-        "The faces of every edge run along it in opposite directions.",
+        "The simplices of every facet give it opposite orientations.",
         HATCHER,
+        1,
         oriented,
     ),
-    _claim(
-        "separates",
-        "The winding number of the mesh changes by one between neighbouring samples on different "
-        "sides and not at all between others; samples the mesh touches are bridged.",
-        "Lorensen & Cline 1987: the surface separates samples above from samples below",
-        separates,
-        unless=SEPARATES,
-    ),
-    _claim(
-        "facing",
-        "Right-hand normals point the declared way wherever the mesh passes between two samples.",
-        "isograde design: from inside to outside, from high to low, unless declared",
-        facing,
-        unless=SEPARATES,
-    ),
     Claim(
-        id="topology.bilinear",
-        rule="On every ambiguous face the mesh connects what the bilinear interpolant connects.",
-        source="Nielson & Hamann 1991, section 2: the asymptotic decider",
-        level=3,
-        judge=on_triangles(bilinear),
-        unless=frozenset({"on-edges", "welded"}),
+        id="topology.sides",
+        rule="The mesh meets every face of the lattice of dimension m as often, with sign, as the "
+        "samples on its boundary say: it passes between samples on different sides, nowhere else, "
+        "and its normals point the declared way.",
+        source=f"Lorensen & Cline 1987: the surface separates samples above from below; {MILNOR}",
+        level=1,
+        judge=on_mesh(sides),
+    ),
+    _claim(
+        "manifold",
+        "No facet belongs to more than two simplices, and no two sheets meet in a vertex.",
+        HATCHER,
+        2,
+        manifold,
+    ),
+    _claim(
+        "ties",
+        "On a field with ties the mesh, its equal vertices welded, has no boundary inside the "
+        "domain.",
+        "isograde design: fields in general position and fields with ties are told apart",
+        None,
+        ties,
     ),
 )

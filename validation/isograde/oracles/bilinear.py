@@ -22,11 +22,12 @@ References
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import combinations
 
 import numpy as np
 from isoref.field import Array, Floats, Integers
 
-from isograde.oracles.lattice import Lattice
+from isograde.oracles.lattice import Lattice, components
 from isograde.oracles.traces import FACES, Traces
 
 # Each factor is a rounded difference, each product and their difference is rounded once.
@@ -59,6 +60,28 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
         sign[n] = ((exact > 0) - (exact < 0)) * high[n]
     with np.errstate(invalid="ignore", divide="ignore"):
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
+
+
+def tied_saddle(lattice: Lattice) -> bool:
+    """Whether some ambiguous face of the lattice has its saddle exactly on the isovalue."""
+    values, inside = components(lattice.field)[0], lattice.inside
+    for axes in combinations(range(lattice.n), 2):
+        windows = [_window(lattice.n, axes, corner) for corner in ((0, 0), (1, 0), (0, 1), (1, 1))]
+        a, b, c, d = (inside[window] for window in windows)
+        ambiguous = np.nonzero((a == d) & (b == c) & (a != b))
+        if len(ambiguous[0]):
+            corners = np.stack([values[window][ambiguous] for window in windows], axis=1)
+            if (saddle_sign(corners, lattice.isovalue)[0] == 0).any():
+                return True
+    return False
+
+
+def _window(n: int, axes: tuple[int, int], corner: tuple[int, int]) -> tuple[slice, ...]:
+    """The samples at this corner of every face along these axes."""
+    window = [slice(None)] * n
+    for axis, end in zip(axes, corner, strict=True):
+        window[axis] = slice(1, None) if end else slice(None, -1)
+    return tuple(window)
 
 
 def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integers, Floats]:

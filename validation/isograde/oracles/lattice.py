@@ -1,60 +1,111 @@
-"""Samples, the side each is on, and where a mesh's vertices stand among them.
+"""Samples, the side each is on, and where a mesh's vertices stand among them, for any (n, m).
 
-Everything is said in *index coordinates*: the sample (i, j, k) stands at (i, j, k), whatever the
+Everything is said in *index coordinates*: the sample (i1, .., in) stands there, whatever the
 spacing and origin.
 
 Glossary
 --------
 inside      value >= isovalue, or > isovalue where an implementation declares ties outside
-lattice edge  the segment between two neighbouring samples; the surface *crosses* it when its ends
-            are on different sides
-tied        a sample that stands on the surface to within the tolerance: its value equals the
-            isovalue, or a crossing on an edge at it comes that near
-border      the boundary of the volume
+lattice edge  the segment between two neighbouring samples; the level set of a component *crosses*
+            it when its ends are on different sides
+tied        a sample that stands on a level set to within the tolerance: its value equals the
+            isovalue, or a crossing on an edge at it comes that near; or, for several components,
+            an end of an edge that two of them cross at one place
+general     a field without a tied sample and without a face whose bilinear saddle is on the
+            isovalue: nothing about its level set hangs on rounding
+border      the boundary of the domain, in which the implementation says its surface ends
 
 The tolerance is a length in units of the spacing. It allows for vertices kept in single
 precision, whose error grows with their distance from the zero of the coordinates. A sample is tied
 up to `ROOM` tolerances from a crossing, so that near any other sample an inner vertex, in the
-middle of as many as twelve others, is still told from one on a lattice edge.
+middle of as many as twelve others, is still told from one on a lattice edge. Vertices of a soup
+count as one within its tolerance, so a crossing within it ties the sample too. A sample is tied
+because of its values alone, whatever the mesh does. Where an implementation sees only inside and
+outside, no sample is tied.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as fresh
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from isoref.field import Array, Booleans, Field, Floats, Integers
 
+from isograde.declaration import Declaration, End
+
 FAR = 1e9
 ROOM = 16
 SINGLE = float(np.finfo(np.float32).eps)
+NOBODY = Declaration("")
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """A field of rank three as the truths see it.
+    """A field as the oracles see it.
 
     Attributes
     ----------
-    field, isovalue : what was asked
-    inside : (N1, N2, N3) bool
+    field, isovalues : what was asked
+    sides : (m, N1, .., Nn) which samples are inside, component by component
+    declared : what the implementation says of itself
     """
 
     field: Field
-    isovalue: float
-    inside: Booleans
+    isovalues: tuple[float, ...]
+    sides: Booleans
+    declared: Declaration = fresh(default_factory=lambda: NOBODY)
 
     @classmethod
-    def of(cls, field: Field, isovalue: float, tie: str = "inside") -> Lattice:
+    def of(
+        cls, field: Field, isovalues: tuple[float, ...], declared: Declaration = NOBODY
+    ) -> Lattice:
         """The lattice, with ties on the declared side."""
-        above = field.values >= isovalue if tie == "inside" else field.values > isovalue
-        return cls(field, isovalue, np.asarray(above))
+        inside = declared.conventions.tie == "inside"
+        rows = [
+            component >= level if inside else component > level
+            for component, level in zip(components(field), isovalues, strict=True)
+        ]
+        return cls(field, isovalues, np.stack(rows), declared)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """(N1, N2, N3), samples along each axis."""
-        return self.inside.shape
+        """(N1, .., Nn), samples along each axis."""
+        return self.sides.shape[1:]
+
+    @property
+    def n(self) -> int:
+        """The dimension of the lattice."""
+        return len(self.shape)
+
+    @property
+    def inside(self) -> Booleans:
+        """(N1, .., Nn) which samples of the first component are inside."""
+        side: Booleans = self.sides[0]
+        return side
+
+    @property
+    def isovalue(self) -> float:
+        """The isovalue of the first component."""
+        return self.isovalues[0]
+
+    @cached_property
+    def ends(self) -> tuple[End, ...]:
+        """How the surface ends along each axis."""
+        return self.declared.ends(self.n)
+
+    @cached_property
+    def first(self) -> Floats:
+        """(n,) where the domain begins."""
+        return np.array([end.inset for end in self.ends])
+
+    @cached_property
+    def last(self) -> Floats:
+        """(n,) where the domain ends; the period of a periodic axis is one cell longer."""
+        extra = [float(end.end == "periodic") for end in self.ends]
+        return np.subtract(self.shape, 1.0) - self.first + extra
 
     @cached_property
     def tolerance(self) -> float:
@@ -62,60 +113,129 @@ class Lattice:
         extent = np.abs(np.divide(self.field.origin, self.field.spacing)) + self.shape
         return max(1e-6, 8 * SINGLE * float(extent.max()))
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """Distance, in units of the spacing, from which a crossing ties the sample."""
-        return ROOM * self.tolerance
+        return max(ROOM * self.tolerance, 2 * (self.declared.soup or 0.0))
 
     def index(self, points: Floats) -> Floats:
-        """Index coordinates of world positions; those at the border stand on it exactly.
+        """Index coordinates of world positions; those at the ends of the domain stand there exactly.
 
         Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
         """
         places = np.subtract(points, self.field.origin) / self.field.spacing
         places = np.clip(places, -FAR, FAR)
-        last = np.subtract(self.shape, 1.0)
-        places[np.abs(places) <= self.tolerance] = 0.0
-        return np.where(np.abs(places - last) <= self.tolerance, last, places)
+        for plane in (np.zeros(self.n), np.subtract(self.shape, 1.0), self.first, self.last):
+            places = np.where(np.abs(places - plane) <= self.tolerance, plane, places)
+        return places
 
-    def on_border(self, places: Floats, ends: Integers) -> Booleans:
-        """(n,) both ends of the edge lie on one and the same side of the border."""
-        where = places[ends]
-        first = (where == 0.0).all(axis=1)
-        last = (where == np.subtract(self.shape, 1.0)).all(axis=1)
-        on: Booleans = (first | last).any(axis=1)
+    def on_border(self, places: Floats, rows: Integers) -> Booleans:
+        """(r,) all vertices of the row lie at one end of the domain where it is open.
+
+        Vertices on edges stand in the end's plane; those in cells, in the border layer of cells;
+        those on a lattice of its own, within its reach.
+        """
+        where = places[rows]
+        slack = {"edges": self.tolerance, "cells": 0.5 + self.tolerance}.get(
+            self.declared.vertices, self.declared.reach + self.tolerance
+        )
+        low = (np.abs(where - self.first) <= slack).all(axis=1)
+        high = (np.abs(where - self.last) <= slack).all(axis=1)
+        open_axes = np.array([end.end == "open" for end in self.ends])
+        on: Booleans = ((low | high) & open_axes).any(axis=1)
         return on
 
     @cached_property
     def tied(self) -> Booleans:
-        """(N1, N2, N3) samples on the surface to within the tolerance."""
-        tied: Booleans = np.asarray(self.field.values == self.isovalue)
-        for axis in range(3):
-            low, high = _pair(axis)
-            crossing = self.inside[low] != self.inside[high]
-            where = np.nonzero(crossing)
-            share = crossing_share(
-                self.field.values[low][where], self.field.values[high][where], self.isovalue
-            )
-            tied[low][tuple(w[share <= self.reach] for w in where)] = True
-            tied[high][tuple(w[share >= 1 - self.reach] for w in where)] = True
+        """(N1, .., Nn) samples on a level set to within the tolerance."""
+        if self.declared.interpolant == "labels":
+            return np.zeros(self.shape, bool)
+        tied = np.zeros(self.shape, bool)
+        values = components(self.field)
+        for component, level in zip(values, self.isovalues, strict=True):
+            tied |= component == level
+        for step in self.edges:
+            self._tie_edges(tied, values, step)
         return tied
 
+    @cached_property
+    def edges(self) -> tuple[tuple[int, ...], ...]:
+        """The directions of the edges on which the interpolant is linear: axes, and diagonals."""
+        axes = [tuple(int(a == axis) for a in range(self.n)) for axis in range(self.n)]
+        if self.declared.interpolant != "tetrahedra":
+            return tuple(axes)
+        found = set(axes)
+        for simplex in self.declared.split.over(self.n):
+            for one, other in combinations(simplex, 2):
+                step = tuple(b - a for a, b in zip(one, other, strict=True))
+                found.add(max(step, tuple(-x for x in step)))
+        return tuple(sorted(found))
+
+    def _tie_edges(self, tied: Booleans, values: list[Array], step: tuple[int, ...]) -> None:
+        """Mark the samples that a crossing on an edge in this direction ties."""
+        low, high = stepped(step)
+        shares: list[Floats] = []
+        for c, level in enumerate(self.isovalues):
+            where = np.nonzero(self.sides[c][low] != self.sides[c][high])
+            share = crossing_share(values[c][low][where], values[c][high][where], level)
+            tied[low][tuple(w[share <= self.reach] for w in where)] = True
+            tied[high][tuple(w[share >= 1 - self.reach] for w in where)] = True
+            if len(self.isovalues) > 1:
+                every = np.full(self.sides[c][low].shape, np.inf)
+                every[where] = share
+                shares.append(every)
+        # Two components that cross an edge at one place meet on it.
+        for one, other in combinations(shares, 2):
+            with np.errstate(invalid="ignore"):
+                met = np.abs(one - other) <= self.reach
+            tied[low] |= met
+            tied[high] |= met
+
     def at_tie(self, places: Floats) -> Booleans:
-        """(n,) the place is a tied sample."""
+        """(r,) the place is a tied sample."""
         nearest = np.rint(places)
         last = np.subtract(self.shape, 1)
         at = (np.abs(places - nearest) <= self.reach).all(axis=1)
-        i, j, k = np.clip(nearest, 0, last).astype(np.int64).T
-        return np.asarray(at & self.tied[i, j, k])
+        where = np.clip(nearest, 0, last).astype(np.int64)
+        return np.asarray(at & self.tied[tuple(where.T)])
+
+    def beside_tie(self, places: Floats) -> Booleans:
+        """(r,) a corner of a cell that the place belongs to is a tied sample."""
+        beside = np.zeros(len(places), bool)
+        if not len(places) or not self.tied.any():
+            return beside
+        last = np.subtract(self.shape, 1)
+        choices = np.stack([np.ceil(places) - 1, np.rint(places), np.floor(places) + 1])
+        choices = np.clip(choices, 0, last).astype(np.int64)
+        for offset in np.ndindex((3,) * self.n):
+            beside |= self.tied[tuple(choices[o, :, a] for a, o in enumerate(offset))]
+        return beside
 
 
-def _pair(axis: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """Slices that give the lower and the higher sample of every lattice edge along an axis."""
-    whole = [slice(None)] * 3
-    low, high = whole.copy(), whole.copy()
-    low[axis], high[axis] = slice(None, -1), slice(1, None)
+def components(field: Field) -> list[Array]:
+    """The samples of each component, each of the lattice's shape."""
+    if field.values.ndim == field.dimension:
+        return [field.values]
+    return list(field.values)
+
+
+def stepped(step: tuple[int, ...]) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
+    """Slices that give both samples of every edge in this direction.
+
+    >>> stepped((1, -1))
+    ((slice(None, -1, None), slice(1, None, None)), (slice(1, None, None), slice(None, -1, None)))
+    """
+    low, high = [], []
+    for move in step:
+        ends = slice(None, -abs(move) or None), slice(abs(move), None)
+        low.append(ends[0] if move >= 0 else ends[1])
+        high.append(ends[1] if move >= 0 else ends[0])
     return tuple(low), tuple(high)
+
+
+def pair(n: int, axis: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
+    """Slices that give the lower and the higher sample of every lattice edge along an axis."""
+    return stepped(tuple(int(a == axis) for a in range(n)))
 
 
 def crossing_share(low: Array, high: Array, isovalue: float) -> Floats:

@@ -1,0 +1,397 @@
+"""What is true of a mesh of oriented k-simplices in n dimensions, counted from its arrays.
+
+A simplex (v0, .., vk) has k + 1 facets, each named by the vertex it leaves out. Write each facet as
+a number that holds its vertices in ascending order and then its own index, and sort: the facets
+that two simplices share now stand side by side. How often each occurs and which way it is turned
+says whether the mesh is closed, oriented, and a manifold across its facets; what is round each
+vertex says the rest.
+
+Glossary
+--------
+n, k        dimension of the space and of the simplices
+facet       a (k - 1)-simplex of a k-simplex: an end, an edge, a triangle, ..
+side        a facet as a part of one simplex, numbered ``(k + 1) * simplex + corner`` by the corner
+            opposite to it; the side of a triangle by the corner from which it runs to the next one
+uses        number of sides of a facet
+balance     sides turned as the ascending order of the facet's vertices, less those turned against
+link        of a vertex: the facets opposite to it, in the simplices that have it
+fan         of a vertex of a triangle mesh: a connected part of its link
+
+Simplices that name a vertex twice are left out first: they bound nothing.
+
+A mesh is a k-manifold where every facet has two simplices (one at its boundary) and every link is
+a sphere (a ball at the boundary) of dimension k - 1. For k up to 3 that is decided exactly: links
+are points, closed or open chains, and closed surfaces of Euler characteristic 2 or discs. For
+larger k a link is only asked to be connected, to have at most two simplices a facet and the Euler
+characteristic of a sphere or a ball.
+
+References
+----------
+[1] A. Hatcher, Algebraic Topology, 2002, chapter 2 (chains, boundary, Euler characteristic).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from math import factorial
+
+import numpy as np
+from isoref.field import Booleans, Floats, Integers
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+# The largest dimension of simplices for which "manifold" is decided and not only bounded.
+EXACT = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """The facets of a mesh, with the sides of each.
+
+    Attributes
+    ----------
+    rows : (F, k) vertices, ascending
+    uses, balance : (F,)
+    sides : sides in the order of their facets
+    start : (F,) where each facet's sides begin in `sides`
+    """
+
+    rows: Integers
+    uses: Integers
+    balance: Integers
+    sides: Integers
+    start: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Complex:
+    """A mesh and what is true of it; each property is computed when it is first asked.
+
+    Attributes
+    ----------
+    points : (V, n) positions
+    simplices : (S, k + 1) indices of vertices, none twice in a simplex
+    """
+
+    points: Floats
+    simplices: Integers
+
+    @classmethod
+    def of(cls, points: Floats, simplices: Integers) -> Complex:
+        """The complex of these simplices without those that name a vertex twice.
+
+        >>> Complex.of(np.eye(3), np.array([[0, 1, 2], [0, 0, 2]])).simplices
+        array([[0, 1, 2]])
+        """
+        sound = np.ones(len(simplices), bool)
+        for i, j in combinations(range(simplices.shape[1]), 2):
+            sound &= simplices[:, i] != simplices[:, j]
+        return cls(points, simplices if sound.all() else simplices[sound])
+
+    @property
+    def k(self) -> int:
+        """The dimension of the simplices."""
+        return int(self.simplices.shape[1]) - 1
+
+    def renamed(self, name: Integers) -> Complex:
+        """The complex with vertex v called ``name[v]``, a vertex; collapsed simplices left out."""
+        return Complex.of(self.points, name[self.simplices])
+
+    def welded(self) -> Complex:
+        """The same, vertices of exactly equal coordinates made one."""
+        # Adding zero makes the two zeros of floating point one.
+        points, name = np.unique(self.points + 0.0, axis=0, return_inverse=True)
+        return Complex.of(points, name.reshape(-1)[self.simplices])
+
+    # --- facets ---------------------------------------------------------------------------------
+
+    @cached_property
+    def facets(self) -> Facets:
+        """The facets, by one sort."""
+        columns, sign = _sides(self.simplices)
+        order, start = _sorted(columns, len(self.points))
+        uses = np.diff(start, append=len(order))
+        turned = sign[order]
+        balance = np.add.reduceat(turned, start) if len(start) else start
+        first = order[start]
+        rows = np.stack([column[first] for column in columns], axis=1)
+        return Facets(rows, uses, balance, order, start)
+
+    @cached_property
+    def open_facets(self) -> Integers:
+        """(.., k) facets used an odd number of times: the boundary modulo two."""
+        return self._rows(self.facets.uses % 2 == 1)
+
+    @cached_property
+    def crowded_facets(self) -> Integers:
+        """(.., k) facets that more than two simplices share."""
+        return self._rows(self.facets.uses > 2)
+
+    @cached_property
+    def misdirected_facets(self) -> Integers:
+        """(.., k) facets used evenly, but not as often one way as the other."""
+        return self._rows((self.facets.uses % 2 == 0) & (self.facets.balance != 0))
+
+    @cached_property
+    def unbalanced_facets(self) -> Integers:
+        """(.., k) facets that the boundary of the oriented mesh does not cancel on."""
+        return self._rows(self.facets.balance != 0)
+
+    def _rows(self, which: Booleans) -> Integers:
+        """The marked facets."""
+        rows: Integers = self.facets.rows[which]
+        return rows
+
+    # --- vertices -------------------------------------------------------------------------------
+
+    @cached_property
+    def used(self) -> Booleans:
+        """(V,) vertices that some simplex names."""
+        used = np.zeros(len(self.points), bool)
+        used[self.simplices] = True
+        return used
+
+    @cached_property
+    def fans(self) -> Integers:
+        """(V,) connected parts of each vertex's link; 1 on a manifold. For triangles only."""
+        facets = self.facets
+        plain = (facets.uses <= 2).all() and not len(self.misdirected_facets)
+        roots = self._fans_by_turning() if plain else self._fans_by_linking()
+        return np.bincount(self.simplices.reshape(-1)[roots], minlength=len(self.points))
+
+    def _fans_by_turning(self) -> Integers:
+        """One corner of each fan, where no edge is crowded or misdirected.
+
+        Turning about a vertex is a partial permutation of corners: cross the edge that comes in
+        and stand at the next triangle's corner. Doubling the turn finds every orbit's lowest
+        corner in as many steps as the largest fan has binary digits.
+        """
+        corners = np.arange(self.simplices.size)
+        twin = corners.copy()
+        facets = self.facets
+        at = facets.start[facets.uses == 2]
+        one, other = facets.sides[at], facets.sides[at + 1]
+        twin[one], twin[other] = other, one
+        # The side that comes into corner 3 t + c is 3 t + (c + 2) % 3; its twin leaves the same
+        # vertex. At a boundary there is no twin and the fan ends: stay, and mark it by -1.
+        before = np.roll(corners.reshape(-1, 3), 1, axis=1).reshape(-1)
+        ends = twin[before] == before
+        turn = np.where(ends, corners, twin[before])
+        lowest = np.where(ends, -1, corners)
+        while True:
+            lower = np.minimum(lowest, lowest[turn])
+            if np.array_equal(lower, lowest):
+                return np.flatnonzero(ends | (lowest == corners))
+            lowest, turn = lower, turn[turn]
+
+    def _fans_by_linking(self) -> Integers:
+        """One corner of each fan, on any triangles: components of corners linked across edges."""
+        facets = self.facets
+        later = np.ones(len(facets.sides), bool)
+        later[facets.start] = False
+        place = np.flatnonzero(later)
+        tail = self.simplices.reshape(-1)
+        following = np.roll(np.arange(tail.size).reshape(-1, 3), -1, axis=1).reshape(-1)
+        # Two sides of one edge link their corners at its lower and at its higher end.
+        pairs = []
+        for end in (0, 1):
+            corners = [
+                np.where((tail[side] < tail[following[side]]) == (end == 0), side, following[side])
+                for side in (facets.sides[place - 1], facets.sides[place])
+            ]
+            pairs.append(np.stack(corners))
+        _, fan = components_of(self.simplices.size, np.concatenate(pairs, axis=1))
+        return np.unique(fan, return_index=True)[1]
+
+    @cached_property
+    def singular_vertices(self) -> Integers:
+        """Vertices whose link is no sphere and no ball, as far as `EXACT` says."""
+        if self.k < 2 or not len(self.simplices):
+            return np.empty(0, np.int64)
+        if self.k == 2:
+            return np.flatnonzero(self.fans > 1)
+        return self._singular_by_links()
+
+    def _singular_by_links(self) -> Integers:
+        """The same, by looking at all links as one complex of disjoint parts."""
+        link, owner = self._links()
+        bad = np.zeros(len(self.points), bool)
+        bad[owner[link.crowded_facets[:, 0]]] = True
+        bad[owner[link.singular_vertices]] = True
+        # One connected part a vertex.
+        _, part = components_of(len(owner), link.pairs)
+        parts = np.unique(np.stack([owner, part], axis=1), axis=0)[:, 0]
+        bad |= np.bincount(parts, minlength=len(bad)) > 1
+        # The Euler characteristic of a sphere, or of a ball where the link has a boundary.
+        bounded = np.zeros(len(bad), bool)
+        bounded[owner[link.open_facets[:, 0]]] = True
+        wanted = np.where(bounded, 1, 1 + (-1) ** (self.k - 1))
+        found = np.zeros(len(bad), np.int64)
+        for rows, sign in link.faces():
+            found += sign * np.bincount(owner[rows[:, 0]], minlength=len(bad))
+        return np.flatnonzero(self.used & (bad | (found != wanted)))
+
+    def _links(self) -> tuple[Complex, Integers]:
+        """Every vertex's link, as one complex on nodes (vertex, neighbour); each node's vertex."""
+        count = self.k + 1
+        centre = np.repeat(self.simplices, count - 1).reshape(-1, count - 1)
+        others = np.concatenate([np.delete(self.simplices, i, axis=1) for i in range(count)])
+        centre = np.concatenate(
+            [np.repeat(self.simplices[:, [i]], count - 1, axis=1) for i in range(count)]
+        )
+        nodes, rows = np.unique(centre * len(self.points) + others, return_inverse=True)
+        owner = nodes // max(len(self.points), 1)
+        return Complex(np.zeros((len(nodes), 0)), rows.reshape(others.shape)), owner
+
+    # --- numbers of the whole -------------------------------------------------------------------
+
+    @cached_property
+    def pairs(self) -> Integers:
+        """(2, ..) vertices that a simplex joins: its first with each other one."""
+        rows = self.simplices
+        if rows.shape[1] < 2:
+            return np.empty((2, 0), np.int64)
+        return np.concatenate([rows[:, [0, i]] for i in range(1, rows.shape[1])]).T
+
+    @cached_property
+    def components(self) -> int:
+        """Number of connected pieces, simplices joined by shared vertices."""
+        count, _ = components_of(len(self.points), self.pairs)
+        return count - int((~self.used).sum())
+
+    def faces(self) -> list[tuple[Integers, int]]:
+        """The distinct faces of each dimension, with the sign the Euler characteristic gives."""
+        rows = self.simplices
+        found = []
+        for size in range(1, rows.shape[1] + 1):
+            subsets = combinations(range(rows.shape[1]), size)
+            every = np.concatenate([np.sort(rows[:, list(subset)], axis=1) for subset in subsets])
+            columns = [every[:, i] for i in range(size)]
+            order, start = _sorted(columns, len(self.points))
+            found.append((every[order[start]], (-1) ** (size - 1)))
+        return found
+
+    @cached_property
+    def euler(self) -> int:
+        """Vertices less edges plus triangles less ..; two for each closed sphere.
+
+        >>> Complex.of(np.eye(3), np.array([[0, 1], [1, 2], [2, 0]])).euler
+        0
+        """
+        if self.k == 2:
+            return int(self.used.sum()) - len(self.facets.rows) + len(self.simplices)
+        return sum(sign * len(rows) for rows, sign in self.faces())
+
+    @cached_property
+    def boundary_pieces(self) -> int:
+        """Number of connected pieces of the boundary modulo two."""
+        rim = Complex(self.points, self.open_facets)
+        return rim.components if len(rim.simplices) else 0
+
+    # --- sizes ----------------------------------------------------------------------------------
+
+    @cached_property
+    def measures(self) -> Floats:
+        """(S,) k-dimensional volume of each simplex, by the Gram determinant.
+
+        >>> Complex.of(np.array([[0.0, 0], [3, 4]]), np.array([[0, 1]])).measures
+        array([5.])
+        """
+        if self.k == 2 and self.points.shape[1] == 3:
+            return np.asarray(np.linalg.norm(self.normals, axis=1) / 2)
+        place = self.points[self.simplices]
+        edges = place[:, 1:] - place[:, :1]
+        gram = np.linalg.det(edges @ edges.transpose(0, 2, 1))
+        return np.asarray(np.sqrt(np.maximum(gram, 0)) / factorial(self.k))
+
+    @cached_property
+    def measure(self) -> float:
+        """The sum of the simplices' measures: length, area, .."""
+        return float(self.measures.sum())
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(S, 3) right-hand normals of triangles in space, as long as twice the area."""
+        a, b, c = (self.points[self.simplices[:, i]] for i in range(3))
+        normal: Floats = np.cross(b - a, c - a)
+        return normal
+
+    @cached_property
+    def enclosed(self) -> float:
+        """The volume inside a closed hypersurface, k = n - 1, whose normals point outwards.
+
+        >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> Complex.of(square, np.array([[0, 1], [1, 2], [2, 3], [3, 0]])).enclosed
+        1.0
+        """
+        if self.k == 2:
+            return float((self.points[self.simplices[:, 0]] * self.normals).sum() / 6)
+        place = self.points[self.simplices] - self.points.mean(axis=0)
+        return float(np.linalg.det(place).sum() / factorial(self.k + 1))
+
+
+def components_of(nodes: int, pairs: Integers) -> tuple[int, Integers]:
+    """Number of components of the graph with these (2, n) pairs, and each node's component."""
+    weights = np.ones(pairs.shape[1], np.int8)
+    graph = coo_array((weights, (pairs[0], pairs[1])), shape=(nodes, nodes))
+    count, label = connected_components(graph, directed=False)
+    return int(count), np.asarray(label, np.int64)
+
+
+def parity(rows: Integers) -> Integers:
+    """+1 or -1 for each row: the parity of the permutation that sorts it.
+
+    >>> parity(np.array([[2, 0, 1], [1, 0, 2]])).tolist()
+    [1, -1]
+    """
+    swaps = np.zeros(len(rows), np.int64)
+    for i, j in combinations(range(rows.shape[1]), 2):
+        swaps += rows[:, i] > rows[:, j]
+    return 1 - 2 * (swaps % 2)
+
+
+def _sides(simplices: Integers) -> tuple[list[Integers], Integers]:
+    """The k columns of every side's vertices, ascending, and +1 where it is turned as they climb."""
+    k = simplices.shape[1] - 1
+    if k == 2:
+        tail = simplices.reshape(-1)
+        head = simplices[:, [1, 2, 0]].reshape(-1)
+        climbs = np.where(tail < head, 1, -1)
+        return [np.minimum(tail, head), np.maximum(tail, head)], climbs
+    sides = np.stack([np.delete(simplices, i, axis=1) for i in range(k + 1)], axis=1)
+    turned = np.where(np.arange(k + 1) % 2 == 0, 1, -1)
+    flat = sides.reshape(-1, k)
+    sign = np.tile(turned, len(simplices)) * parity(flat)
+    ordered = np.sort(flat, axis=1)
+    return [ordered[:, i] for i in range(k)], sign
+
+
+def _sorted(columns: list[Integers], vertices: int) -> tuple[Integers, Integers]:
+    """An order that sorts rows given by columns, and where each distinct row begins in it.
+
+    Row and index share one 63-bit key where they fit, so that one plain sort does both.
+    """
+    rows = len(columns[0]) if columns else 0
+    v, h = max(vertices - 1, 1).bit_length(), max(rows - 1, 1).bit_length()
+    if not rows:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    if v * len(columns) <= 63:
+        key = columns[0].astype(np.int64)
+        for column in columns[1:]:
+            key = key << v | column
+        if v * len(columns) + h <= 63:
+            key = key << h | np.arange(rows)
+            key.sort()
+            order, row = key & ((1 << h) - 1), key >> h
+        else:
+            order = np.argsort(key, kind="stable")
+            row = key[order]
+        return order, np.flatnonzero(np.r_[True, row[1:] != row[:-1]])
+    order = np.lexsort(columns[::-1])
+    new = np.zeros(rows, bool)
+    new[0] = True
+    for column in columns:
+        new[1:] |= column[order[1:]] != column[order[:-1]]
+    return order, np.flatnonzero(new)
