@@ -6,10 +6,13 @@ workers share a plan, each a process of its own with an adapter of its own.
 
 What becomes of a claim on a case
 ---------------------------------
-1. "unsupported" where the declaration excludes it (`Claim.unless`), or the call was declined;
-2. judges of the raw outcome (structure, robustness) come first;
-3. without a mesh, every other claim is "not run": the fault is counted once, where it is;
-4. variants are asked only when a claim that needs them is reached.
+1. A claim that is not stated for the implementation's family, or for the case's (n, m), is not in
+   the plan.
+2. A field outside the stated limits is not sent, and a call may be declined: "unsupported".
+3. Judges of the raw outcome (structure, robustness) come first; without a mesh, every other claim
+   is "not run": the fault is counted once, where it is.
+4. Variants are asked only when a claim that needs them is reached.
+5. A case on which the claim could not fail is no evidence: "skip".
 
 A judge that raises is a fault of the grader, not of the implementation: the claim is "not run",
 and the report says so at its head.
@@ -30,17 +33,19 @@ from fnmatch import fnmatchcase
 
 from isoref.field import Field
 
+from isograde import variants
 from isograde.adapters import open_adapter
-from isograde.cases import blocks
+from isograde.cases import all_cases, blocks
 from isograde.cases.volumes import VolumeError
-from isograde.disciplines.registry import READY_MADE, Pose, discipline, pose_surfaces
+from isograde.claims import CLAIMS
+from isograde.claims.evidence import is_general
+from isograde.declaration import Declaration
 from isograde.model import (
     Adapter,
-    AdapterError,
     Case,
     Claim,
-    Declaration,
     Finding,
+    Kind,
     Limits,
     Outcome,
     Request,
@@ -49,7 +54,8 @@ from isograde.model import (
     Verdict,
 )
 
-# Keep a failed case whole, for its picture and its numbers, up to this many samples.
+# Keep a failed case whole, for its picture and its numbers, up to this many numbers; of a larger
+# one in the plane, on a curve or in many dimensions, the answer alone, up to as many vertices.
 SHOWN_SAMPLES = 2200
 # Pose a case in every way with ``--full`` up to this many samples.
 POSED_SAMPLES = 40_000
@@ -90,16 +96,21 @@ class Evidence:
     """A failed case whole: what was asked, what came, and on which variant."""
 
     field: Field
-    isovalue: float
+    isovalues: tuple[float, ...]
     outcomes: Mapping[str, Outcome]
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One case with every finding on it."""
+    """One case with every finding on it.
+
+    general : the field is in general position; None where it was not built
+    """
 
     case: str
+    kind: Kind
     findings: Mapping[str, Finding]
+    general: bool | None = None
     seconds: float = 0.0
     calls: int = 0
     evidence: Evidence | None = None
@@ -112,10 +123,9 @@ class NothingToRun(LookupError):  # noqa: N818 - a state of the plan, not an err
 def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim]) -> list[Task]:
     """The tasks in the order of the cases. Raises `NothingToRun`."""
     chosen_claims, chosen_cases = _select(options, cases, claims)
-    chosen = any("posed" in case.tags for case in cases.values())
     tasks = []
     for case in chosen_cases.values():
-        all_ways = not chosen or _in_all_ways(case, options)
+        all_ways = _in_all_ways(case, options)
         wanted = tuple(
             claim.id
             for claim in chosen_claims.values()
@@ -129,7 +139,7 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
         close = [near for one in options.only for near in get_close_matches(one, known, n=1)]
         hint = f"did you mean {' '.join(close)}? " if close else ""
         raise NothingToRun(
-            f"nothing matches {asked}; {hint}`isograde list claims` and `isograde list fields` "
+            f"nothing matches {asked}; {hint}`isograde list claims` and `isograde list cases` "
             "show ids"
         )
     return tasks
@@ -171,6 +181,22 @@ def _matches(name: str, globs: Sequence[str]) -> bool:
     return any(fnmatchcase(name, glob) for glob in globs)
 
 
+def cases_for(declaration: Declaration, seed: int) -> Mapping[str, Case]:
+    """The cases of the kinds that the implementation takes, by id; blocks of them by name."""
+    every, kinds = all_cases(seed), declaration.limits.kinds
+    return type(every)({name: case for name, case in every.items() if case.kind in kinds})
+
+
+def claims_for(declaration: Declaration) -> dict[str, Claim]:
+    """The claims that are stated for the implementation's family, by id."""
+    kinds = [Kind(*kind) for kind in declaration.limits.kinds]
+    return {
+        name: claim
+        for name, claim in CLAIMS.items()
+        if claim.families(declaration) and any(map(claim.kinds, kinds))
+    }
+
+
 @dataclass
 class Worker:
     """One open adapter, and the judging of what comes back through it."""
@@ -179,20 +205,14 @@ class Worker:
     declaration: Declaration
     cases: Mapping[str, Case]
     claims: Mapping[str, Claim]
-    pose: Pose = pose_surfaces
     hangs: int = 0
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
-        """A worker whose adapter is open, with what its discipline asks. Raises `AdapterError`."""
-        adapter = open_adapter(READY_MADE.get(spec, spec))
-        declaration = adapter.open(options.limits)
-        try:
-            asked = discipline(declaration.discipline)
-        except AdapterError:
-            adapter.close()
-            raise
-        return cls(adapter, declaration, asked.cases(options.seed), asked.claims, asked.pose)
+        """A worker whose adapter is open, with what is asked of its family. Raises `AdapterError`."""
+        adapter = open_adapter(spec)
+        declared = adapter.open(options.limits)
+        return cls(adapter, declared, cases_for(declared, options.seed), claims_for(declared))
 
     def judge(self, task: Task) -> Judged:
         """Every finding on one case."""
@@ -217,53 +237,61 @@ class Worker:
         for claim in sorted(claims, key=lambda claim: claim.needs_mesh):
             findings[claim.id] = self._decide(claim, trial, outcomes)
         failed = any(finding.verdict in BAD for finding in findings.values())
-        shown = failed and self._can_be_shown(case, trial.plain)
-        evidence = Evidence(field, case.isovalue, outcomes) if shown else None
-        seconds = time.perf_counter() - start
-        return Judged(case.id, findings, seconds, len(outcomes), evidence)
+        shown = failed and _can_be_shown(case, trial.plain)
+        return Judged(
+            case.id,
+            case.kind,
+            findings,
+            is_general(trial),
+            time.perf_counter() - start,
+            sum(outcome.status is not Status.DECLINED for outcome in outcomes.values()),
+            Evidence(field, case.isovalues, outcomes) if shown else None,
+        )
 
-    def _can_be_shown(self, case: Case, came: Outcome) -> bool:
-        """Whether the case is small enough to be kept whole.
-
-        Other disciplines than surfaces have few cases: there the answer alone may be drawn.
-        """
-        if case.samples <= SHOWN_SAMPLES or self.declaration.discipline == "surfaces":
-            return case.samples <= SHOWN_SAMPLES
-        return came.vertices is not None and len(came.vertices) <= SHOWN_SAMPLES
-
-    def _ask(self, trial: Trial, outcomes: dict[str, Outcome], variants: Iterable[str]) -> None:
+    def _ask(self, trial: Trial, outcomes: dict[str, Outcome], names: Iterable[str]) -> None:
         """`outcomes` holds these variants, each asked once."""
-        for name in variants:
+        for name in names:
             if name in outcomes:
                 continue
-            plain = trial.field, trial.case.isovalue
-            posed = plain if name == "plain" else self.pose(name, trial.case, trial.field)
+            posed = variants.pose(name, trial.case, trial.field)
             if posed is None:
                 continue
-            field, isovalue = posed
-            outcome = self.adapter.run(Request(trial.case.id, name, field, isovalue))
+            outcome = self._call(Request(trial.case.id, name, *posed))
             self.hangs = self.hangs + 1 if outcome.status is Status.TIMEOUT else 0
             outcomes[name] = outcome
 
+    def _call(self, request: Request) -> Outcome:
+        """What comes back from one call; a field outside the stated limits is not sent."""
+        values, kind = request.field.values, request.kind
+        refusal = self.declaration.limits.refusal(kind, request.field.shape, values.dtype)
+        if refusal and not variants.is_bad_input(request.variant):
+            return Outcome(Status.DECLINED, detail=refusal)
+        return self.adapter.run(request)
+
     def _decide(self, claim: Claim, trial: Trial, outcomes: dict[str, Outcome]) -> Finding:
         """What the claim says of the trial."""
-        excluded = claim.unless & self.declaration.without
-        if excluded:
-            return Finding(Verdict.UNSUPPORTED, f"declared without {', '.join(sorted(excluded))}")
         if trial.plain.status is Status.DECLINED:
             return Finding(Verdict.UNSUPPORTED, trial.plain.detail)
-        if claim.needs_mesh and trial.plain.mesh is None:
+        if claim.needs_mesh and trial.plain.mesh_of(trial.kind) is None:
             return Finding(Verdict.NOT_RUN, "no mesh came back that could be judged")
-        self._ask(trial, outcomes, claim.variants)
+        self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
         try:
             return claim.judge(trial)
         except Exception as error:  # noqa: BLE001 - counted and shown as a fault of the grader
             return Finding(Verdict.NOT_RUN, f"{JUDGE_FAULT}: {type(error).__name__}: {error}")
 
 
+def _can_be_shown(case: Case, came: Outcome) -> bool:
+    """Whether the case is small enough to be kept whole, or its answer to be drawn alone."""
+    if case.samples * case.kind.m <= SHOWN_SAMPLES:
+        return True
+    drawn = came.vertices is not None and len(came.vertices) <= SHOWN_SAMPLES
+    return drawn and (case.kind.k == 1 or case.kind.n > 3)
+
+
 def _all(case: Case, claims: Iterable[Claim], finding: Finding) -> Judged:
     """The same finding on every claim."""
-    return Judged(case.id, {claim.id: finding for claim in claims})
+    return Judged(case.id, case.kind, {claim.id: finding for claim in claims})
 
 
 def run(

@@ -113,7 +113,7 @@ def cases(seed: int = 0) -> list[Case]:
         Case(
             f"accuracy/{shape}",
             partial(field, shape),
-            0.0,
+            (0.0,),
             int(np.prod(row(shape)[1])),
             frozenset({"accuracy", "closed"}),
             {"components": len(SCALES[shape]), "euler": (2 if shape == "sphere" else 0) * 6},

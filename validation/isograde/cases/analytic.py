@@ -203,7 +203,7 @@ def _case(
     """The case of this name; `tags` are separated by spaces."""
     labels = frozenset({"analytic", *tags.split()})
     made = partial(build, lattice, *parameters)
-    return Case(f"analytic/{name}", made, isovalue, lattice.samples, labels, facts or {})
+    return Case(f"analytic/{name}", made, (isovalue,), lattice.samples, labels, facts or {})
 
 
 def cases(seed: int = 0) -> list[Case]:

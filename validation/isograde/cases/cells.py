@@ -95,4 +95,4 @@ def _case(name: str, seed: int, border: bool) -> Case:
     if configuration in representatives():
         tags.add("posed")
     build = partial(signed, name, seed, embedded(configuration, border=border))
-    return Case(name, build, ISOVALUE, 64, frozenset(tags))
+    return Case(name, build, (ISOVALUE,), 64, frozenset(tags))

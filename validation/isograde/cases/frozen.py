@@ -62,6 +62,7 @@ def digest(cases: Iterable[Case]) -> str:
     total = hashlib.sha256()
     for case in cases:
         field = case.build()
-        total.update(f"{case.id} {case.isovalue!r} {field.spacing!r} {field.shape!r}".encode())
+        levels = case.isovalues[0] if len(case.isovalues) == 1 else case.isovalues
+        total.update(f"{case.id} {levels!r} {field.spacing!r} {field.shape!r}".encode())
         total.update(np.ascontiguousarray(field.values).astype("<f8").tobytes())
     return total.hexdigest()

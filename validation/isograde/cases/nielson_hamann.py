@@ -52,6 +52,6 @@ def cases(seed: int = 0) -> list[Case]:
     del seed
     tags = frozenset({"nielson-hamann"})
     return [
-        Case("nielson-hamann/example-2", example_2, ISOVALUE_2, 70 * 66 * 66, tags | {"full"}),
-        Case("nielson-hamann/example-3", example_3, ISOVALUE_3, 50**3, tags),
+        Case("nielson-hamann/example-2", example_2, (ISOVALUE_2,), 70 * 66 * 66, tags | {"full"}),
+        Case("nielson-hamann/example-3", example_3, (ISOVALUE_3,), 50**3, tags),
     ]

@@ -58,14 +58,14 @@ def cases(seed: int = 0) -> list[Case]:
 def _white(shape: tuple[int, int, int], seed: int, *, full: bool) -> Case:
     """White noise of this shape."""
     name = "noise/white-" + "x".join(map(str, shape))
-    return Case(name, partial(white, name, seed, shape), 0.0, int(np.prod(shape)), _tags(full))
+    return Case(name, partial(white, name, seed, shape), (0.0,), int(np.prod(shape)), _tags(full))
 
 
 def _smooth(shape: tuple[int, int, int], passes: int, seed: int, *, full: bool) -> Case:
     """Smoothed noise of this shape."""
     name = f"noise/smooth-{passes}-" + "x".join(map(str, shape))
     build = partial(smooth, name, seed, shape, passes)
-    return Case(name, build, 0.0, int(np.prod(shape)), _tags(full))
+    return Case(name, build, (0.0,), int(np.prod(shape)), _tags(full))
 
 
 def _tags(full: bool) -> frozenset[str]:

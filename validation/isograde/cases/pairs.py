@@ -50,5 +50,5 @@ def _case(pattern: int, seed: int) -> Case:
     name = f"pairs/{pattern:04d}"
     tags = {"pairs"} if ambiguous(pattern) else {"pairs", "full"}
     return Case(
-        name, partial(signed, name, seed, inside_of(pattern)), ISOVALUE, 12, frozenset(tags)
+        name, partial(signed, name, seed, inside_of(pattern)), (ISOVALUE,), 12, frozenset(tags)
     )

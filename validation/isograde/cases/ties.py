@@ -72,12 +72,12 @@ NOISE = 12
 def cases(seed: int = 0) -> list[Case]:
     """Patterns, noise of three values, and every configuration with tied corners or saddles."""
     plain = frozenset({"ties"})
-    made = [Case(f"ties/{name}", partial(patterned, name), 0.0, 125, plain) for name in PATTERNS]
-    made.append(Case("ties/squares", partial(squares, (11, 12, 13)), -9.0, 11 * 12 * 13, plain))
+    made = [Case(f"ties/{name}", partial(patterned, name), (0.0,), 125, plain) for name in PATTERNS]
+    made.append(Case("ties/squares", partial(squares, (11, 12, 13)), (-9.0,), 11 * 12 * 13, plain))
     for index in range(NOISE):
         name = f"ties/noise-{index:02d}"
         tags = plain | {"posed"} if index < 2 else plain
-        made.append(Case(name, partial(three_values, name, seed, (4, 5, 6)), 0.0, 120, tags))
+        made.append(Case(name, partial(three_values, name, seed, (4, 5, 6)), (0.0,), 120, tags))
     for configuration in range(256):
         tags = plain if configuration in representatives() else plain | {"full"}
         made += _corners(configuration, tags)
@@ -88,7 +88,7 @@ def _corners(configuration: int, tags: frozenset[str]) -> list[Case]:
     """The three cases of one configuration."""
     number = f"{configuration:03d}"
     return [
-        Case(f"ties/saddle/{number}", partial(balanced, configuration), 0.0, 64, tags),
-        Case(f"ties/low/{number}", partial(at_corners, configuration, -1.0), 0.0, 64, tags),
-        Case(f"ties/high/{number}", partial(at_corners, configuration, 1.0), 0.0, 64, tags),
+        Case(f"ties/saddle/{number}", partial(balanced, configuration), (0.0,), 64, tags),
+        Case(f"ties/low/{number}", partial(at_corners, configuration, -1.0), (0.0,), 64, tags),
+        Case(f"ties/high/{number}", partial(at_corners, configuration, 1.0), (0.0,), 64, tags),
     ]

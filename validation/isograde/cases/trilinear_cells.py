@@ -214,4 +214,4 @@ def _pair_field(name: str, face: int, sign: int, seed: int) -> Field:
 
 def _case(key: str, build: Callable[[], Field], tags: set[str], samples: int = 8) -> Case:
     """The case of this field; the isovalue is zero."""
-    return Case(key, build, 0.0, samples, frozenset({"trilinear", *tags}))
+    return Case(key, build, (0.0,), samples, frozenset({"trilinear", *tags}))

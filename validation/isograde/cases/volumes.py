@@ -320,7 +320,7 @@ def _case(volume: Volume, isovalue: float, side: int) -> Case:
     full = side > SMALL or volume.samples > QUICK
     tags = frozenset({"real", "full"} if full else {"real"})
     build = partial(block, volume.name, (side, side, side))
-    return Case(name, build, isovalue, int(np.prod(cut)), tags)
+    return Case(name, build, (isovalue,), int(np.prod(cut)), tags)
 
 
 def _scivis(

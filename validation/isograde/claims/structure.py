@@ -1,14 +1,32 @@
-"""Claims on the arrays as they came, before anything is made of them (level 0, *runs*)."""
+"""Claims on the arrays as they came, before anything is made of them (level 0, *runs*).
+
+They are said of every (n, m). Vertices that no simplex names, vertices that stand at one place and
+simplices without measure are counted beside the ladder: they are waste, or what a tie leaves, and
+no fault of the surface.
+"""
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from isograde.claims.evidence import VERDICT_OF, answered, failed, first_row, lattice_of, passed
-from isograde.model import Claim, Finding, Status, Trial, Verdict
+from isograde.claims.evidence import (
+    VERDICT_OF,
+    answered,
+    complex_of,
+    failed,
+    first_row,
+    on_mesh,
+    passed,
+    place,
+    skipped,
+)
+from isograde.model import Claim, Finding, Judge, Status, Trial, Verdict
+
+DESIGN = "isograde design: vertices (V, n), simplices (S, n - m + 1), indices from 0"
 
 
 def answers(trial: Trial) -> Finding:
@@ -20,124 +38,166 @@ def answers(trial: Trial) -> Finding:
 
 
 def shapes(trial: Trial) -> Finding:
-    """Pass when vertices are (V, 3) numbers and faces are (F, 3) whole numbers."""
-    vertices, faces = _arrays(trial)
-    if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "fiu":
-        return failed(f"vertices are {vertices.dtype} of shape {vertices.shape}, not (V, 3) reals")
-    if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-        return failed(f"faces are {faces.dtype} of shape {faces.shape}, not (F, 3) integers")
-    return passed(vertices=len(vertices), faces=len(faces))
+    """Pass when vertices are (V, n) numbers and simplices (S, k + 1) whole numbers."""
+    if not answered(trial.plain):
+        return Finding(Verdict.NOT_RUN, "no arrays came back")
+    (vertices, simplices), n, k = _arrays(trial), trial.kind.n, trial.kind.k
+    if vertices.ndim != 2 or vertices.shape[1] != n or vertices.dtype.kind not in "fiu":
+        return failed(f"vertices are {vertices.dtype} of shape {vertices.shape}, not (V, {n}) reals")
+    if simplices.ndim != 2 or simplices.shape[1] != k + 1 or simplices.dtype.kind not in "iu":
+        return failed(
+            f"simplices are {simplices.dtype} of shape {simplices.shape}, not (S, {k + 1}) integers"
+        )
+    return passed(vertices=len(vertices), simplices=len(simplices))
 
 
 def finite(trial: Trial) -> Finding:
     """Pass when no coordinate is NaN or infinite."""
     vertices, _ = _arrays(trial)
+    if not vertices.size:
+        return skipped("there is no vertex")
     if vertices.dtype.kind not in "fiub":
         return failed(f"vertices are {vertices.dtype}")
     bad = ~np.isfinite(vertices)
     if not bad.any():
-        return passed()
+        return passed(vertices=len(vertices))
     first = int(np.argwhere(bad)[0][0])
     return failed(f"vertex {first} has a coordinate that is not finite", count=int(bad.sum()))
 
 
 def in_range(trial: Trial) -> Finding:
-    """Pass when every face names vertices that exist."""
-    vertices, faces = _arrays(trial)
-    bad = (faces < 0) | (faces >= len(vertices))
+    """Pass when every simplex names vertices that exist."""
+    vertices, simplices = _arrays(trial)
+    if not simplices.size:
+        return skipped("there is no simplex")
+    bad = (simplices < 0) | (simplices >= len(vertices))
     if not bad.any():
-        return passed()
+        return passed(simplices=len(simplices))
     first = int(np.argwhere(bad)[0][0])
     return failed(
-        f"face {first} names a vertex that does not exist; there are {len(vertices)}",
-        face=first,
+        f"simplex {first} names a vertex that does not exist; there are {len(vertices)}",
+        simplex=first,
         count=int(bad.sum()),
     )
 
 
 def no_repeated_index(trial: Trial) -> Finding:
-    """Pass when no face names a vertex twice."""
-    _, faces = _arrays(trial)
-    if faces.ndim != 2 or faces.shape[1] != 3:
-        return Finding(Verdict.NOT_RUN, "faces are no triples")
-    a, b, c = faces.T
-    bad = np.flatnonzero((a == b) | (b == c) | (c == a))
+    """Pass when no simplex names a vertex twice."""
+    _, simplices = _arrays(trial)
+    if simplices.ndim != 2 or simplices.shape[1] < 2 or not len(simplices):
+        return skipped("there is no simplex with two vertices")
+    same = np.zeros(len(simplices), bool)
+    for i, j in combinations(range(simplices.shape[1]), 2):
+        same |= simplices[:, i] == simplices[:, j]
+    bad = np.flatnonzero(same)
     if not len(bad):
-        return passed()
+        return passed(simplices=len(simplices))
     return failed(
-        f"face {int(bad[0])} is {first_row(faces[bad])}: it names a vertex twice", count=len(bad)
+        f"simplex {int(bad[0])} is {first_row(simplices[bad])}: it names a vertex twice",
+        count=len(bad),
+        simplex=int(bad[0]),
     )
 
 
-def no_duplicate_face(trial: Trial) -> Finding:
-    """Pass when no two faces name the same three vertices, but where sheets touch at a tie."""
-    _, faces = _arrays(trial)
-    if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
-        return passed()
-    order, same = _repeats(np.sort(faces.astype(np.int64), axis=1))
-    pairs = np.stack([order[:-1][same], order[1:][same]], axis=1)
-    mesh = trial.plain.mesh
-    if len(pairs) and mesh is not None and mesh.vertices.shape[1] == 3:
-        lattice = lattice_of(trial)
-        corners = lattice.index(mesh.vertices)[faces[pairs[:, 0]]]
-        pairs = pairs[~lattice.at_tie(corners.reshape(-1, 3)).reshape(-1, 3).any(axis=1)]
-    if not len(pairs):
-        return passed()
-    one, other = sorted(int(f) for f in pairs[0])
-    return failed(f"faces {one} and {other} are the same triangle", count=len(pairs))
-
-
-def _repeats(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """An order that sorts the rows, and where a sorted row equals the one before it."""
-    bits = int(rows.max()).bit_length()
-    if 3 * bits <= 62 and rows.min() >= 0:
-        key = (rows[:, 0] << 2 * bits) | (rows[:, 1] << bits) | rows[:, 2]
-        ordered = np.sort(key)
-        same = ordered[1:] == ordered[:-1]
-        return (np.argsort(key, kind="stable") if same.any() else key), same
+def no_duplicate(trial: Trial) -> Finding:
+    """Pass when no two simplices have the same vertices; those of a soup within its tolerance."""
+    found = complex_of(trial)
+    if not len(found.simplices):
+        return skipped("there is no simplex")
+    rows = np.sort(found.simplices, axis=1)
     order = np.lexsort(rows.T)
-    return order, (rows[order][1:] == rows[order][:-1]).all(axis=1)
+    same = np.flatnonzero((rows[order][1:] == rows[order][:-1]).all(axis=1))
+    if not len(same):
+        return passed(simplices=len(rows))
+    one, other = sorted(int(order[same[0] + i]) for i in (0, 1))
+    return failed(
+        f"simplices {one} and {other} are the same",
+        count=len(same),
+        first=[place(point) for point in found.points[found.simplices[one]]],
+    )
 
 
 def all_used(trial: Trial) -> Finding:
-    """Pass when every vertex belongs to a face."""
-    vertices, faces = _arrays(trial)
-    used = np.zeros(len(vertices), bool)
-    index = faces.reshape(-1)
+    """Pass when every vertex belongs to a simplex."""
+    vertices, simplices = _arrays(trial)
+    index = simplices.reshape(-1)
     if index.dtype.kind not in "iu":
-        return Finding(Verdict.NOT_RUN, "faces are no integers")
+        return Finding(Verdict.NOT_RUN, "simplices are no integers")
+    if not len(vertices):
+        return skipped("there is no vertex")
+    used = np.zeros(len(vertices), bool)
     used[index[(index >= 0) & (index < len(vertices))]] = True
     if used.all():
-        return passed()
-    return failed(f"vertex {int(np.argmin(used))} belongs to no face", count=int((~used).sum()))
+        return passed(vertices=len(vertices))
+    first = int(np.argmin(used))
+    return failed(
+        f"vertex {first} belongs to no simplex", count=int((~used).sum()), vertex=first
+    )
+
+
+def apart(trial: Trial) -> Finding:
+    """Pass when no two vertices in use stand at one place."""
+    found = complex_of(trial)
+    places = found.points[found.used] + 0.0
+    if len(places) < 2:
+        return skipped("there are not two vertices")
+    distinct, times = np.unique(places, axis=0, return_counts=True)
+    if len(distinct) == len(places):
+        return passed(vertices=len(places))
+    return failed(
+        f"{len(places) - len(distinct)} vertices stand where another does, one at index "
+        f"{place(distinct[times.argmax()])}",
+        count=len(places) - len(distinct),
+        first=place(distinct[times.argmax()]),
+    )
+
+
+def with_measure(trial: Trial) -> Finding:
+    """Pass when every simplex has a length, an area, .."""
+    found = complex_of(trial)
+    if not len(found.simplices) or found.k < 1:
+        return skipped("there is no simplex with a measure")
+    bad = np.flatnonzero(found.measures <= 0)
+    if not len(bad):
+        return passed(simplices=len(found.simplices))
+    return failed(
+        f"{len(bad)} of {len(found.simplices)} simplices have no measure, the first at index "
+        f"{place(found.points[found.simplices[bad[0]]].mean(axis=0))}",
+        count=len(bad),
+        first=[place(point) for point in found.points[found.simplices[bad[0]]]],
+    )
 
 
 def _arrays(trial: Trial) -> tuple[NDArray[Any], NDArray[Any]]:
     """The arrays as they came; empty ones where nothing came."""
     outcome = trial.plain
-    if outcome.vertices is None or outcome.faces is None:
-        return np.empty((0, 3)), np.empty((0, 3), np.int64)
-    return outcome.vertices, outcome.faces
+    if outcome.vertices is None or outcome.simplices is None:
+        return np.empty((0, trial.kind.n)), np.empty((0, trial.kind.k + 1), np.int64)
+    return outcome.vertices, outcome.simplices
 
 
-def _claim(name: str, rule: str, judge: Any, needs_mesh: bool = False) -> Claim:
-    """A claim of this family: level 0, on the raw arrays."""
-    return Claim(
-        id=f"structure.{name}",
-        rule=rule,
-        source="isograde design: vertices (V, 3), simplices (S, 3), indices from 0",
-        level=0,
-        judge=judge,
-        needs_mesh=needs_mesh,
-    )
+def _claim(name: str, rule: str, judge: Judge) -> Claim:
+    """A claim of level 0, on the raw arrays."""
+    return Claim(f"structure.{name}", rule, DESIGN, 0, judge, needs_mesh=False)
+
+
+def _counted(name: str, rule: str, judge: Judge) -> Claim:
+    """A claim beside the ladder, counted and shown: waste, which nobody need promise to avoid."""
+    return Claim(f"structure.{name}", rule, DESIGN, None, judge, promised=False)
 
 
 CLAIMS = (
-    _claim("answers", "Every field gets an answer: two arrays, no error, no crash.", answers),
-    _claim("shapes", "Vertices are (V, 3) reals, faces are (F, 3) integers.", shapes),
+    _claim("answers", "Every field within its limits gets an answer: no error, no crash.", answers),
+    _claim(
+        "shapes",
+        "Vertices are (V, n) reals, simplices are (S, n - m + 1) integers, counted from 0.",
+        shapes,
+    ),
     _claim("finite", "No coordinate is NaN or infinite.", finite),
-    _claim("in_range", "Every face names vertices that exist.", in_range),
-    _claim("no_repeated_index", "No face names a vertex twice.", no_repeated_index),
-    _claim("no_duplicate_face", "No two faces name the same three vertices.", no_duplicate_face),
-    _claim("all_used", "Every vertex belongs to a face.", all_used),
+    _claim("in_range", "Every simplex names vertices that exist.", in_range),
+    _claim("no_repeated_index", "No simplex names a vertex twice.", no_repeated_index),
+    _counted("no_duplicate", "No two simplices have the same vertices.", on_mesh(no_duplicate)),
+    _counted("all_used", "Every vertex belongs to a simplex.", all_used),
+    _counted("apart", "No two vertices stand at one place.", on_mesh(apart)),
+    _counted("with_measure", "Every simplex has a length, an area, ..", on_mesh(with_measure)),
 )
