@@ -209,7 +209,7 @@ class Worker:
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
-        """A worker whose adapter is open, with what is asked of its family. Raises `AdapterError`."""
+        """A worker with an open adapter and what is asked of its family. Raises `AdapterError`."""
         adapter = open_adapter(spec)
         declared = adapter.open(options.limits)
         return cls(adapter, declared, cases_for(declared, options.seed), claims_for(declared))

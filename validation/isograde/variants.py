@@ -1,25 +1,31 @@
 """Variants: the same case posed in another way, whose answer is known from the plain one.
 
-A variant takes a field and an isovalue and gives another pair, or nothing where the values do not
-allow it: half integers are no bytes, and a shift that loses digits would be another case. Where it
-moves the samples it also says how to bring index coordinates back, so that answers can be laid
-over the plain one.
+A variant takes a field and its isovalues and gives others, or nothing where the values do not allow
+it: half integers are no bytes, and a shift that loses digits would be another case. Where it moves
+the samples it also says how to bring index coordinates back, so that answers can be laid over the
+plain one. All are said for any number of axes and components.
 
-Variants that pose bad input (`nan`, `rank-2`, ..) build a `Field` that `Field.of` would refuse: it
-is the implementation's answer to it that is judged.
+Variants that pose bad input (`nan`, `rank`, ..) build a `Field` that `Field.of` would refuse: it is
+the implementation's answer to it that is judged.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import permutations, product
 
 import numpy as np
 from isoref.field import Array, Field, Floats
 
-Posed = tuple[Field, float] | None
-LETTERS = "xyz"
+from isograde.model import Case, Kind
+
+Isovalues = tuple[float, ...]
+Posed = tuple[Field, Isovalues] | None
+LETTERS = "xyzwvutsrq"
+# Up to so many axes a field is posed under every symmetry of the cube; beyond, under generators.
+EVERY_SYMMETRY = 3
 
 
 @dataclass(frozen=True)
@@ -28,61 +34,124 @@ class Variant:
 
     name : as claims and reports name it
     meaning : what is changed, for a reader
-    pose : the changed field and isovalue, or None where the values do not allow it
+    pose : the changed field and isovalues, or None where the values do not allow it
     back : index coordinates of the plain field, given those of the changed one and the plain field
-    reflects : it exchanges left and right, so that faces must be turned over on the way back
+    reflects : it exchanges left and right, so that simplices must be turned over on the way back
     """
 
     name: str
     meaning: str
-    pose: Callable[[Field, float], Posed]
+    pose: Callable[[Field, Isovalues], Posed]
     back: Callable[[Floats, Field], Floats] = lambda places, _: places
     reflects: bool = False
 
 
-def pose(name: str, field: Field, isovalue: float) -> Posed:
-    """The field and isovalue of the variant of this name, or None where there is none.
+def pose(name: str, case: Case, field: Field) -> Posed:
+    """The field and isovalues of a variant of a case, or None where the values do not allow it."""
+    if name == "plain":
+        return field, case.isovalues
+    return variant(name, case.kind).pose(field, case.isovalues)
 
-    >>> pose("scale", Field.of([[[1, 2]]]), 1.5)[1]
-    6.0
+
+def variant(name: str, kind: Kind) -> Variant:
+    """The variant of this name for fields of this kind. Raises `KeyError`."""
+    return _variants(kind)[name]
+
+
+def named(names: Iterable[str], kind: Kind) -> list[str]:
+    """The names, those that end in a slash replaced by all variants that begin so.
+
+    >>> len(named(["repeat", "symmetry/"], Kind(2, 1)))
+    8
     """
-    return (field, isovalue) if name == "plain" else VARIANTS[name].pose(field, isovalue)
+    known = _variants(kind)
+    found = []
+    for name in names:
+        found += [one for one in known if one.startswith(name)] if name.endswith("/") else [name]
+    return [name for name in found if name in known]
 
 
-def _repeat(field: Field, isovalue: float) -> Posed:
+def is_bad_input(name: str) -> bool:
+    """Whether the variant poses what is no field."""
+    return name in BAD_INPUT
+
+
+BAD_INPUT = ("rank", "no-samples", "isovalue-nan", "nan")
+
+
+@cache
+def _variants(kind: Kind) -> dict[str, Variant]:
+    """Every variant for fields of this kind, by name."""
+    found = [*SIMPLE, *_symmetries(kind.n)]
+    if kind.m > 1:
+        odd = kind.m * (kind.m - 1) // 2 % 2 == 1
+        found.append(
+            Variant("components", "the components in the other order", _components, reflects=odd)
+        )
+    return {one.name: one for one in found}
+
+
+def _values(field: Field, values: Array) -> Field:
+    """The field with other samples, unchecked."""
+    return replace(field, values=values)
+
+
+def _parts(field: Field) -> Array:
+    """(m, N1, .., Nn) samples, whatever the number of components."""
+    rank = field.dimension
+    return field.values if field.values.ndim > rank else field.values[None]
+
+
+def _as_given(field: Field, parts: Array) -> Array:
+    """(m, ..) samples in the shape in which the field gives them."""
+    return parts if field.values.ndim > field.dimension else parts[0]
+
+
+def _repeat(field: Field, isovalues: Isovalues) -> Posed:
     """The same once more."""
-    return field, isovalue
+    return field, isovalues
 
 
-def _scale(field: Field, isovalue: float) -> Posed:
+def _scale(field: Field, isovalues: Isovalues) -> Posed:
     """Four times the values: a power of two, so that nothing rounds."""
-    values = 4 * _floats(field.values)
-    return (replace(field, values=values), 4 * isovalue) if np.isfinite(values).all() else None
+    with np.errstate(over="ignore"):
+        values = 4 * _floats(field.values)
+    if not np.isfinite(values).all():
+        return None
+    return _values(field, values), tuple(4 * level for level in isovalues)
 
 
-def _shift(field: Field, isovalue: float) -> Posed:
+def _shift(field: Field, isovalues: Isovalues) -> Posed:
     """All values moved up by about their size, if no difference that counts is lost."""
     values = _floats(field.values)
-    size = float(np.abs(values.astype(np.float64) - isovalue).max())
+    wide = _parts(replace(field, values=values)).astype(np.float64)
+    away = [part - level for part, level in zip(wide, isovalues, strict=True)]
+    size = max(float(np.abs(part).max()) for part in away)
     step = 2.0 ** np.ceil(np.log2(size)) if size > 0 else 1.0
-    moved, level = values + values.dtype.type(step), isovalue + step
-    same_side = np.sign(moved - level) == np.sign(values.astype(np.float64) - isovalue)
-    return (replace(field, values=moved), float(level)) if same_side.all() else None
+    moved = values + values.dtype.type(step)
+    levels = tuple(level + step for level in isovalues)
+    there = _parts(replace(field, values=moved)).astype(np.float64)
+    for part, level, old in zip(there, levels, away, strict=True):
+        if (np.sign(part - level) != np.sign(old)).any():
+            return None
+    return _values(field, moved), tuple(float(level) for level in levels)
 
 
-def _level(field: Field, isovalue: float) -> Posed:
+def _level(field: Field, isovalues: Isovalues) -> Posed:
     """Every sample about 1 from the isovalue, now 0, and each crossing in the middle of its edge.
 
     What is left of the values is a quarter of a thousandth at most, in proportion. On an ambiguous
     face two ones and two minus ones cancel, so the average of its samples keeps its side.
     """
-    with np.errstate(over="ignore"):
-        away = field.values.astype(np.float64) - isovalue
-    largest = float(np.abs(away).max())
-    if not np.isfinite(largest):
-        return None
-    values = np.where(away >= 0, 1.0, -1.0) + 2.0**-12 * away / max(largest, 1e-300)
-    return replace(field, values=values), 0.0
+    parts = []
+    for part, level in zip(_parts(field), isovalues, strict=True):
+        with np.errstate(over="ignore"):
+            away = part.astype(np.float64) - level
+        largest = float(np.abs(away).max())
+        if not np.isfinite(largest):
+            return None
+        parts.append(np.where(away >= 0, 1.0, -1.0) + 2.0**-12 * away / max(largest, 1e-300))
+    return _values(field, _as_given(field, np.stack(parts))), (0.0,) * len(isovalues)
 
 
 def _floats(values: Array) -> Array:
@@ -90,41 +159,55 @@ def _floats(values: Array) -> Array:
     return values if values.dtype.kind == "f" else values.astype(np.float64)
 
 
-def _translate(field: Field, isovalue: float) -> Posed:
-    """The field inside a larger one, one sample further along each axis; the rim repeats it."""
-    return replace(field, values=np.pad(field.values, (1, 2), mode="edge")), isovalue
+def _translate(cells: int) -> Callable[[Field, Isovalues], Posed]:
+    """The field inside a larger one, so many samples further; the rim repeats it."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        rim = [(0, 0)] * (field.values.ndim - field.dimension)
+        rim += [(cells, cells + 1)] * field.dimension
+        return _values(field, np.pad(field.values, rim, mode="edge")), isovalues
+
+    return pose
 
 
-def _space(field: Field, isovalue: float) -> Posed:
-    """Three different spacings."""
-    spacing = tuple(s * f for s, f in zip(field.spacing, (0.5, 3.0, 1.25), strict=True))
-    return replace(field, spacing=spacing), isovalue
+def _space(field: Field, isovalues: Isovalues) -> Posed:
+    """A different spacing along each axis."""
+    factors = [(0.5, 3.0, 1.25, 2.0, 0.75)[axis % 5] for axis in range(field.dimension)]
+    spacing = tuple(s * f for s, f in zip(field.spacing, factors, strict=True))
+    return replace(field, spacing=spacing), isovalues
 
 
-def _fortran(field: Field, isovalue: float) -> Posed:
+def _fortran(field: Field, isovalues: Isovalues) -> Posed:
     """The first axis fastest in memory."""
-    return replace(field, values=np.asfortranarray(field.values)), isovalue
+    return _values(field, np.asfortranarray(field.values)), isovalues
 
 
-def _strided(field: Field, isovalue: float) -> Posed:
+def _strided(field: Field, isovalues: Isovalues) -> Posed:
     """Every second element of a larger array, along its first and last axes."""
-    wide = np.repeat(np.repeat(field.values, 2, axis=0), 2, axis=2)
-    return replace(field, values=wide[::2, :, ::2]), isovalue
+    first, last = 0, field.values.ndim - 1
+    wide = np.repeat(field.values, 2, axis=first)
+    wide = np.repeat(wide, 2, axis=last) if last else wide
+    steps: list[slice] = [slice(None)] * field.values.ndim
+    steps[first] = steps[last] = slice(None, None, 2)
+    return _values(field, wide[tuple(steps)]), isovalues
 
 
-def _backwards(field: Field, isovalue: float) -> Posed:
-    """A view that runs backwards through memory."""
-    return replace(field, values=np.ascontiguousarray(field.values[:, ::-1])[:, ::-1]), isovalue
+def _backwards(field: Field, isovalues: Isovalues) -> Posed:
+    """A view that runs backwards through memory along its last axis but one."""
+    axis = max(field.values.ndim - 2, 0)
+    steps: list[slice] = [slice(None)] * field.values.ndim
+    steps[axis] = slice(None, None, -1)
+    turned = np.ascontiguousarray(field.values[tuple(steps)])
+    return _values(field, turned[tuple(steps)]), isovalues
 
 
-def _as_type(kind: str) -> Callable[[Field, float], Posed]:
+def _as_type(kind: str) -> Callable[[Field, Isovalues], Posed]:
     """The same numbers in another type, where it holds them all and the isovalue is unharmed."""
 
-    def pose(field: Field, isovalue: float) -> Posed:
-        kept = field.values.dtype
-        if kept == np.dtype(kind) or not _holds(kind, field.values):
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        if field.values.dtype == np.dtype(kind) or not _holds(kind, field.values):
             return None
-        return replace(field, values=field.values.astype(kind)), isovalue
+        return _values(field, field.values.astype(kind)), isovalues
 
     return pose
 
@@ -139,40 +222,71 @@ def _holds(kind: str, values: Array) -> bool:
         return bool((values.astype(kind) == values).all())
 
 
-def _nan(field: Field, isovalue: float) -> Posed:
+def _components(field: Field, isovalues: Isovalues) -> Posed:
+    """The components, and with them the isovalues, in the other order."""
+    return _values(field, field.values[::-1].copy()), isovalues[::-1]
+
+
+def _nan(field: Field, isovalues: Isovalues) -> Posed:
     """One sample is not a number."""
     values = _floats(field.values).copy()
     values[tuple(n // 2 for n in values.shape)] = np.nan
-    return replace(field, values=values), isovalue
+    return _values(field, values), isovalues
 
 
-def _beyond(direction: int) -> Callable[[Field, float], Posed]:
-    """An isovalue above every sample, or below."""
+def _beyond(direction: int) -> Callable[[Field, Isovalues], Posed]:
+    """An isovalue of the first component above every sample, or below."""
 
-    def pose(field: Field, isovalue: float) -> Posed:
-        low, high = float(field.values.min()), float(field.values.max())
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        samples = _parts(field)[0]
+        low, high = float(samples.min()), float(samples.max())
         margin = max(high - low, 1.0)
-        return field, high + margin if direction > 0 else low - margin
+        return field, (high + margin if direction > 0 else low - margin, *isovalues[1:])
 
     return pose
 
 
-def _flat(field: Field, isovalue: float) -> Posed:
-    """The first plane of the field with values on both sides, instead of the field."""
-    for plane in field.values:
-        if (plane < isovalue).any() and (plane > isovalue).any():
-            return Field(plane, field.spacing[1:], field.origin[1:]), isovalue
+def _flat(field: Field, isovalues: Isovalues) -> Posed:
+    """The first layer of the field with values on both sides, instead of the field."""
+    parts = _parts(field)
+    for place in range(parts.shape[1]):
+        layer = parts[:, place]
+        if (layer[0] < isovalues[0]).any() and (layer[0] > isovalues[0]).any():
+            return Field(_as_given(field, layer), field.spacing[1:], field.origin[1:]), isovalues
     return None
 
 
-def _nothing(field: Field, isovalue: float) -> Posed:
+def _nothing(field: Field, isovalues: Isovalues) -> Posed:
     """No samples at all."""
-    return replace(field, values=field.values[:0]), isovalue
+    parts = _parts(field)[:, :0]
+    return _values(field, _as_given(field, parts)), isovalues
 
 
-def _no_isovalue(field: Field, isovalue: float) -> Posed:
+def _no_isovalue(field: Field, isovalues: Isovalues) -> Posed:
     """An isovalue that is not a number."""
-    return field, float("nan")
+    return field, (float("nan"), *isovalues[1:])
+
+
+@cache
+def _symmetries(n: int) -> tuple[Variant, ...]:
+    """The symmetries of the n-dimensional cube but the identity; for many axes, generators."""
+    identity = tuple(range(n))
+    if n <= EVERY_SYMMETRY:
+        every = product(permutations(range(n)), product((False, True), repeat=n))
+        chosen = [one for one in every if one != (identity, (False,) * n)]
+    else:
+        swaps = [_swapped(identity, axis) for axis in range(n - 1)]
+        mirrors = [tuple(a == axis for a in range(n)) for axis in range(n)]
+        chosen = [(order, (False,) * n) for order in swaps]
+        chosen += [(identity, mirrored) for mirrored in mirrors]
+    return tuple(_symmetry(order, mirrored) for order, mirrored in chosen)
+
+
+def _swapped(order: Sequence[int], axis: int) -> tuple[int, ...]:
+    """The order with an axis and the next exchanged."""
+    turned = list(order)
+    turned[axis], turned[axis + 1] = turned[axis + 1], turned[axis]
+    return tuple(turned)
 
 
 def _symmetry(order: tuple[int, ...], mirrored: tuple[bool, ...]) -> Variant:
@@ -180,17 +294,19 @@ def _symmetry(order: tuple[int, ...], mirrored: tuple[bool, ...]) -> Variant:
 
     Axis a of the variant is axis ``order[a]`` of the plain field, mirrored where ``mirrored[a]``.
     """
+    n = len(order)
     name = "".join(
         LETTERS[axis].upper() if flip else LETTERS[axis]
         for axis, flip in zip(order, mirrored, strict=True)
     )
     steps = tuple(slice(None, None, -1 if flip else 1) for flip in mirrored)
 
-    def pose(field: Field, isovalue: float) -> Posed:
-        values = np.ascontiguousarray(field.values.transpose(order)[steps])
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        parts = _parts(field).transpose(0, *(1 + axis for axis in order))[(slice(None), *steps)]
         spacing = tuple(field.spacing[axis] for axis in order)
         origin = tuple(field.origin[axis] for axis in order)
-        return Field(values, spacing, origin), isovalue
+        values = np.ascontiguousarray(_as_given(field, parts))
+        return Field(values, spacing, origin), isovalues
 
     def back(places: Floats, field: Field) -> Floats:
         last = np.subtract([field.shape[axis] for axis in order], 1.0)
@@ -198,7 +314,7 @@ def _symmetry(order: tuple[int, ...], mirrored: tuple[bool, ...]) -> Variant:
         plain: Floats = there[:, np.argsort(order)]
         return plain
 
-    turns = sum(order[i] > order[j] for i in range(3) for j in range(i + 1, 3)) + sum(mirrored)
+    turns = sum(order[i] > order[j] for i in range(n) for j in range(i + 1, n)) + sum(mirrored)
     return Variant(
         f"symmetry/{name}",
         f"axes {name}: in this order, capitals backwards",
@@ -208,40 +324,50 @@ def _symmetry(order: tuple[int, ...], mirrored: tuple[bool, ...]) -> Variant:
     )
 
 
-SYMMETRIES: tuple[Variant, ...] = tuple(
-    _symmetry(order, mirrored)
-    for order in permutations(range(3))
-    for mirrored in product((False, True), repeat=3)
-    if (order, any(mirrored)) != ((0, 1, 2), False)
-)
+def symmetry_of(name: str) -> tuple[tuple[int, ...], tuple[bool, ...]]:
+    """The order of the axes and which are mirrored, of the variant of this name.
 
-VARIANTS: Mapping[str, Variant] = {
-    variant.name: variant
-    for variant in (
-        Variant("repeat", "asked a second time", _repeat),
-        Variant("scale", "values and isovalue times four", _scale),
-        Variant("shift", "values and isovalue plus a power of two near their size", _shift),
-        Variant("level", "samples about 1 or -1, isovalue 0: crossings in the middle", _level),
-        Variant(
-            "translate",
-            "inside a larger grid, one sample further along each axis",
-            _translate,
-            lambda places, _: places - 1.0,
-        ),
-        Variant("spacing", "spacing times (1/2, 3, 5/4)", _space),
-        Variant("fortran", "first axis fastest in memory", _fortran),
-        Variant("strided", "every second element of a larger array", _strided),
-        Variant("backwards", "a view that runs backwards through memory", _backwards),
-        Variant("float32", "samples in single precision", _as_type("float32")),
-        Variant("float64", "samples in double precision", _as_type("float64")),
-        Variant("int16", "samples as 16-bit integers", _as_type("int16")),
-        Variant("uint8", "samples as bytes", _as_type("uint8")),
-        Variant("nan", "the middle sample is not a number", _nan),
-        Variant("above", "an isovalue above every sample", _beyond(1)),
-        Variant("below", "an isovalue below every sample", _beyond(-1)),
-        Variant("rank-2", "a plane of samples", _flat),
-        Variant("no-samples", "an array without samples", _nothing),
-        Variant("isovalue-nan", "an isovalue that is not a number", _no_isovalue),
-        *SYMMETRIES,
-    )
-}
+    >>> symmetry_of("symmetry/yXz")
+    ((1, 0, 2), (False, True, False))
+    """
+    letters = name.removeprefix("symmetry/")
+    return tuple(LETTERS.index(x.lower()) for x in letters), tuple(x.isupper() for x in letters)
+
+
+SIMPLE: tuple[Variant, ...] = (
+    Variant("repeat", "asked a second time", _repeat),
+    Variant("scale", "values and isovalue times four", _scale),
+    Variant("shift", "values and isovalue plus a power of two near their size", _shift),
+    Variant("level", "samples about 1 or -1, isovalue 0: crossings in the middle", _level),
+    Variant(
+        "translate",
+        "inside a larger grid, one sample further along each axis",
+        _translate(1),
+        lambda places, _: places - 1.0,
+    ),
+    Variant(
+        "translate-2",
+        "inside a larger grid, two samples further along each axis",
+        _translate(2),
+        lambda places, _: places - 2.0,
+    ),
+    Variant("spacing", "another spacing along each axis", _space),
+    Variant("fortran", "first axis fastest in memory", _fortran),
+    Variant("strided", "every second element of a larger array", _strided),
+    Variant("backwards", "a view that runs backwards through memory", _backwards),
+    *(
+        Variant(kind, f"samples as {meaning}", _as_type(kind))
+        for kind, meaning in (
+            ("float32", "single precision"),
+            ("float64", "double precision"),
+            ("int16", "16-bit integers"),
+            ("uint8", "bytes"),
+        )
+    ),
+    Variant("nan", "the middle sample is not a number", _nan),
+    Variant("above", "an isovalue above every sample", _beyond(1)),
+    Variant("below", "an isovalue below every sample", _beyond(-1)),
+    Variant("rank", "one axis less", _flat),
+    Variant("no-samples", "an array without samples", _nothing),
+    Variant("isovalue-nan", "an isovalue that is not a number", _no_isovalue),
+)

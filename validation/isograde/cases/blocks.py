@@ -55,7 +55,9 @@ def block(case: Case, ranges: Ranges) -> Case:
     named = ",".join(f"{start}:{stop}" for start, stop in ranges)
     samples = int(np.prod([stop - start for start, stop in ranges]))
     build = partial(cut, case, ranges)
-    return Case(f"{case.id}[{named}]", build, case.isovalues, samples, case.tags - WHOLE, kind=case.kind)
+    return Case(
+        f"{case.id}[{named}]", build, case.isovalues, samples, case.tags - WHOLE, kind=case.kind
+    )
 
 
 def cut(case: Case, ranges: Ranges) -> Field:

@@ -43,7 +43,9 @@ def shapes(trial: Trial) -> Finding:
         return Finding(Verdict.NOT_RUN, "no arrays came back")
     (vertices, simplices), n, k = _arrays(trial), trial.kind.n, trial.kind.k
     if vertices.ndim != 2 or vertices.shape[1] != n or vertices.dtype.kind not in "fiu":
-        return failed(f"vertices are {vertices.dtype} of shape {vertices.shape}, not (V, {n}) reals")
+        return failed(
+            f"vertices are {vertices.dtype} of shape {vertices.shape}, not (V, {n}) reals"
+        )
     if simplices.ndim != 2 or simplices.shape[1] != k + 1 or simplices.dtype.kind not in "iu":
         return failed(
             f"simplices are {simplices.dtype} of shape {simplices.shape}, not (S, {k + 1}) integers"
@@ -130,9 +132,7 @@ def all_used(trial: Trial) -> Finding:
     if used.all():
         return passed(vertices=len(vertices))
     first = int(np.argmin(used))
-    return failed(
-        f"vertex {first} belongs to no simplex", count=int((~used).sum()), vertex=first
-    )
+    return failed(f"vertex {first} belongs to no simplex", count=int((~used).sum()), vertex=first)
 
 
 def apart(trial: Trial) -> Finding:

@@ -3,97 +3,237 @@
 What is compared
 ----------------
 The answer to a variant is brought back to the plain field's index coordinates, turned over if the
-variant reflects, and laid over the plain answer. The two are the same when
+variant reflects, and laid over the plain answer. What must agree depends on what was changed and on
+the family (`isograde.declaration`):
 
-1. the same lattice edges carry vertices, at the same place to within the tolerance, and
-2. on every face of every cell the mesh has the same segments.
+scale, shift, layout, type    the arrays; else the oriented simplices as a multiset, up to rounding
+translation                   the oriented simplices one cell off the border; of a split, where it
+                              is moved by its own period
+symmetry and spacing
+    vertices on edges         the same lattice edges carry vertices, at the same place, and on every
+                              face of every cell the mesh has the same segments; in every cell it
+                              has as many sheets, of the same Euler characteristic
+    vertices in cells         the same vertices, and the same edges between cells that share a face
+    a split                   vertices on the same edges of the split, and the same edges between
+                              two of them on one triangle, under the split's own symmetries
+    other dimensions          the same points in which the mesh meets the lattice's faces of
+                              dimension m, the same number of pieces and Euler characteristic
+    a lattice of its own      is judged on known bodies only
 
-Numbering, diagonals, inner vertices and inner triangles are not compared: nobody promises them.
-Lattice edges and cells with a tied sample are left out, and so are ambiguous faces whose saddle is
-on the surface to within rounding. An implementation that declares itself without
-"symmetric-choices" (it decides ambiguous faces by where the cell stands or how it is turned) is
-compared on the other faces only.
+Numbering, diagonals and inner triangles are never compared under a symmetry: nobody promises them.
+Tied samples and what is beside them are left out, and so are ambiguous faces whose saddle is on the
+surface to within rounding.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from isoref.mesh import Mesh
 
+from isograde import variants
 from isograde.claims.evidence import (
     VERDICT_OF,
+    complex_of,
     failed,
     lattice_of,
-    on_triangles,
+    on_mesh,
     passed,
+    place,
+    placed,
     remembered,
     skipped,
-    surface_of,
-    traces_of,
 )
-from isograde.model import Claim, Finding, Judge, Status, Trial, Verdict
+from isograde.declaration import Declaration, Split
+from isograde.model import (
+    SURFACES,
+    Claim,
+    Finding,
+    Judge,
+    Kind,
+    Outcome,
+    Status,
+    Trial,
+    Verdict,
+    every_family,
+    every_kind,
+)
+from isograde.oracles import alike
 from isograde.oracles.bilinear import saddles
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
+from isograde.oracles.degree import crossings
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import Traces, traces
-from isograde.variants import SYMMETRIES, VARIANTS, Variant, pose
 
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when
 # values are rounded anew.
 ROUNDED = 1e-6
+# Places are the same within so many tolerances of the lattice.
+NEAR = 8
+DESIGN = "isograde design, level 2: the same answer however the field is posed"
+
+Difference = Callable[[Trial, Complex, variants.Variant], str]
 
 
-def same(*names: str) -> Judge:
+def same(difference: Difference, *asked: str) -> Judge:
     """The judge that passes when each of these variants gives the plain answer."""
 
-    @on_triangles
+    @on_mesh
     def judge(trial: Trial) -> Finding:
-        compared = 0
-        for name in names:
-            finding = _compare(trial, VARIANTS[name])
-            if finding is None:
+        compared, empty = 0, not len(complex_of(trial).simplices)
+        for name in variants.named(asked, trial.kind):
+            if name not in trial.outcomes or not _posed_alike(trial, name):
                 continue
+            outcome = trial.outcomes[name]
+            if outcome.status is Status.DECLINED:
+                continue
+            finding = _compared(trial, outcome, variants.variant(name, trial.kind), difference)
             if finding.verdict is not Verdict.PASS:
                 return finding
             compared += 1
         if not compared:
-            return skipped(f"the values do not allow {' or '.join(names)}")
-        return passed(variants=compared)
+            return skipped(f"neither values nor limits allow {' or '.join(asked)}")
+        return skipped("both answers are empty") if empty else passed(variants=compared)
 
     return judge
 
 
-def _compare(trial: Trial, variant: Variant) -> Finding | None:
-    """Whether the variant's answer is the plain one; None where the case has no such variant."""
-    outcome = trial.outcomes.get(variant.name)
-    if outcome is None or f"dtype:{variant.name}" in trial.declaration.without:
-        return None
-    if outcome.status is Status.DECLINED:
-        return None
+def _compared(
+    trial: Trial, outcome: Outcome, variant: variants.Variant, difference: Difference
+) -> Finding:
+    """Whether the variant's answer is the plain one."""
+    said = f"{variant.name} ({variant.meaning})"
     if outcome.status is not Status.OK:
-        detail = f"{variant.name} ({variant.meaning}): {outcome.status} {outcome.detail}"
+        detail = f"{said}: {outcome.status} {outcome.detail}"
         return Finding(VERDICT_OF[outcome.status], detail, {"variant": variant.name})
-    mesh = outcome.mesh
-    if mesh is None or mesh.vertices.shape[1] != 3 or mesh.simplices.shape[1] != 3:
-        return failed(
-            f"{variant.name}: vertices that are not finite, or faces that are no triangles",
-            variant=variant.name,
-        )
-    difference = _difference(trial, variant, mesh)
-    if not difference:
-        return passed()
-    return failed(f"{variant.name} ({variant.meaning}): {difference}", variant=variant.name)
+    mesh = outcome.mesh_of(trial.kind)
+    if mesh is None:
+        return failed(f"{said}: what came is no mesh of this kind", variant=variant.name)
+    told = difference(trial, brought_back(trial, variant, mesh), variant)
+    return failed(f"{said}: {told}", variant=variant.name) if told else passed()
 
 
-def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
-    """How the variant's answer differs from the plain one; nothing where it does not."""
+def brought_back(trial: Trial, variant: variants.Variant, mesh: Mesh) -> Complex:
+    """The variant's answer in the plain field's index coordinates, turned over if it reflects."""
+    posed = variant.pose(trial.field, trial.isovalues)
+    assert posed is not None, "a variant that was asked was posed"
+    field, isovalues = posed
+    # Only the frame of coordinates is wanted of this lattice, so any sides of its shape will do.
+    nothing = np.broadcast_to(np.False_, (1, *field.shape))
+    frame = Lattice(field, isovalues, nothing, _turned(trial.declaration, variant, field.dimension))
+    rows = mesh.simplices
+    if variant.reflects and rows.shape[1] > 1:
+        rows = rows[:, [*range(rows.shape[1] - 2), -1, -2]]
+    places = variant.back(frame.index(mesh.vertices), trial.field)
+    whole = lattice_of(trial)
+    return placed(trial, Mesh(whole.field.position(places), rows))
+
+
+def _turned(declared: Declaration, variant: variants.Variant, n: int) -> Declaration:
+    """The declaration with its ends in the order of the variant's axes."""
+    if not variant.name.startswith("symmetry/"):
+        return declared
+    order, _ = variants.symmetry_of(variant.name)
+    ends = declared.ends(n)
+    return replace(declared, domain=tuple(ends[axis] for axis in order))
+
+
+# --- the same simplices --------------------------------------------------------------------------
+
+
+def same_simplices(trial: Trial, other: Complex, variant: variants.Variant) -> str:
+    """How the oriented simplices differ, up to rounding; nothing where they do not."""
+    ours, lattice = complex_of(trial), lattice_of(trial)
+    if np.array_equal(ours.points, other.points) and np.array_equal(
+        ours.simplices, other.simplices
+    ):
+        return ""
+    if "translate" in variant.name:
+        ours, other = (_off_the_border(lattice, mesh) for mesh in (ours, other))
+    mine, theirs = alike.unmatched(ours, other, NEAR * lattice.tolerance)
+    mine, theirs = (_clear(trial, mesh, rows) for mesh, rows in ((ours, mine), (other, theirs)))
+    if not len(mine) and not len(theirs):
+        return ""
+    mesh, rows = (ours, mine) if len(mine) else (other, theirs)
+    middle = mesh.points[mesh.simplices[rows[0]]].mean(axis=0)
+    return (
+        f"{len(mine)} simplices of the plain answer are not in this one, and {len(theirs)} of this "
+        f"one not in the plain answer; one is at index {place(middle)}"
+    )
+
+
+def _off_the_border(lattice: Lattice, mesh: Complex) -> Complex:
+    """The simplices that lie one cell off the border of the samples."""
+    where = mesh.points[mesh.simplices]
+    last = np.subtract(lattice.shape, 2.0)
+    slack = lattice.tolerance
+    within = ((where >= 1 - slack) & (where <= last + slack)).all(axis=(1, 2))
+    # Flat ones in the outermost planes belong to cells on either side.
+    flat = (np.abs(where - 1) <= slack).all(axis=1) | (np.abs(where - last) <= slack).all(axis=1)
+    return Complex(mesh.points, mesh.simplices[within & ~flat.any(axis=1)])
+
+
+def _clear(trial: Trial, mesh: Complex, rows: Integers) -> Integers:
+    """Those of the simplices that are not beside a tied sample or an unclear face."""
+    if not len(rows):
+        return rows
     lattice = lattice_of(trial)
-    other = _brought_back(trial, variant, mesh)
-    theirs = traces(lattice, other.points, other.faces)
-    ours = traces_of(trial)
+    middles = mesh.points[mesh.simplices[rows]].mean(axis=1)
+    unclear = lattice.beside_tie(middles)
+    if trial.kind == SURFACES:
+        unclear |= np.isin(_cells(lattice, middles), _unclear_cells(trial))
+    return rows[~unclear]
+
+
+def _cells(lattice: Lattice, places: Floats) -> Integers:
+    """(r,) flat index of the sample at the lowest corner of each place's cell."""
+    last = np.maximum(np.subtract(lattice.shape, 2), 0)
+    corner = np.clip(np.floor(places).astype(np.int64), 0, last)
+    return np.asarray(np.ravel_multi_index(tuple(corner.T), lattice.shape))
+
+
+def _unclear_cells(trial: Trial) -> Integers:
+    """Cells with an ambiguous face whose decision hangs on rounding."""
+
+    def compute() -> Integers:
+        found = traces_of(trial)
+        row, _, _, clarity = saddles(lattice_of(trial), found)
+        corner = found.place[row[clarity <= ROUNDED]]
+        return np.unique(np.ravel_multi_index(tuple(corner.T), lattice_of(trial).shape))
+
+    return remembered(trial, "unclear cells", compute)
+
+
+# --- the same but for diagonals ------------------------------------------------------------------
+
+
+def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
+    """How what the family must agree on under a symmetry differs; nothing where it does not."""
+    if trial.declaration.vertices == "cells":
+        return _same_cells(trial, other)
+    if trial.declaration.interpolant == "tetrahedra":
+        return _same_crossings_of_split(trial, other, variant)
+    if trial.kind == SURFACES:
+        return _same_traces(trial, other)
+    return _same_meetings(trial, other)
+
+
+def traces_of(trial: Trial) -> Traces:
+    """The plain outcome's traces in the cells."""
+    found = complex_of(trial)
+    return remembered(
+        trial, "traces", lambda: traces(lattice_of(trial), found.points, found.simplices)
+    )
+
+
+def _same_traces(trial: Trial, other: Complex) -> str:
+    """How vertices on lattice edges, or segments on faces of cells, differ."""
+    lattice = lattice_of(trial)
+    theirs, ours = traces(lattice, other.points, other.simplices), traces_of(trial)
     judged = remembered(trial, "judged faces", lambda: _judged_faces(trial, ours))
     row, other_row, lost = _matched(ours, theirs)
     if lost:
@@ -104,16 +244,14 @@ def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
     )
     changed &= judged
     if changed.any():
-        row, face = np.argwhere(changed)[0]
+        first, face = np.argwhere(changed)[0]
         return (
             f"{int(changed.sum())} faces of cells are connected otherwise, the first is face "
-            f"{int(face)} of the cell at {ours.place[row].tolist()}"
+            f"{int(face)} of the cell at {ours.place[first].tolist()}"
         )
-    return _moved(
-        remembered(trial, "crossings", lambda: _crossings(trial, surface_of(trial))),
-        _crossings(trial, other),
-        lattice,
-    )
+    mine = complex_of(trial)
+    on_edges = [_on_edges(lattice, mesh) for mesh in (mine, other)]
+    return _moved(lattice, *on_edges)
 
 
 def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
@@ -124,123 +262,250 @@ def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
     return row, other, lost
 
 
-def _brought_back(trial: Trial, variant: Variant, mesh: Mesh) -> Surface:
-    """The variant's answer as a surface in the plain field's index coordinates."""
-    posed = pose(variant.name, trial.field, trial.case.isovalue)
-    assert posed is not None, "a variant that was asked was posed"
-    field, isovalue = posed
-    # Only the frame of coordinates is wanted of this lattice, so any array of its shape will do.
-    frame = Lattice(field, isovalue, np.broadcast_to(np.False_, field.shape))
-    places = variant.back(frame.index(mesh.vertices), trial.field)
-    faces = mesh.simplices[:, ::-1] if variant.reflects else mesh.simplices
-    middle = places[faces].mean(axis=1)
-    inside = ((middle >= 0) & (middle <= np.subtract(trial.field.shape, 1))).all(axis=1)
-    return Surface.of(places, faces if inside.all() else faces[inside])
-
-
 def _judged_faces(trial: Trial, ours: Traces) -> Booleans:
     """(n, 6) faces of cells on which two answers must agree."""
     judged = np.repeat(~ours.tied[:, None], 6, axis=1)
-    if "symmetric-choices" in trial.declaration.without:
-        return np.asarray(judged & ~ours.ambiguous)
     row, face, _, clarity = saddles(lattice_of(trial), ours)
     judged[row, face] &= clarity > ROUNDED
     return judged
 
 
-@dataclass(frozen=True, eq=False)
-class Crossings:
-    """The lattice edges that carry vertices, each as three half steps, and where."""
-
-    edge: Integers
-    place: Floats
-
-
-def _crossings(trial: Trial, surface: Surface) -> Crossings:
-    """The crossings of a surface, off tied samples, in the order of their edges."""
-    lattice = lattice_of(trial)
-    places = surface.points[surface.used]
-    nearest = np.rint(places)
-    gap = np.abs(places - nearest)
-    free = gap.argmax(axis=1)
-    rows = np.arange(len(places))
-    halves = 2 * nearest.astype(np.int64)
-    halves[rows, free] = 2 * np.floor(places[rows, free]).astype(np.int64) + 1
-    kept = (gap <= lattice.tolerance).sum(axis=1) >= 2
-    kept &= ((halves >= 0) & (halves <= 2 * np.subtract(lattice.shape, 1))).all(axis=1)
-    kept[kept] = ~_at_tied_edge(lattice, halves[kept])
-    number = (halves[kept] @ _strides(lattice)).astype(np.int64)
-    edge, first = np.unique(number, return_index=True)
-    return Crossings(edge, places[kept][first])
+def _on_edges(lattice: Lattice, mesh: Complex) -> Floats:
+    """The places of the vertices in use that stand on lattice edges, off tied samples."""
+    places = mesh.points[mesh.used]
+    whole = (np.abs(places - np.rint(places)) <= lattice.tolerance).sum(axis=1)
+    places = places[whole >= lattice.n - 1]
+    return places[~lattice.beside_tie(places)] if len(places) else places
 
 
-def _strides(lattice: Lattice) -> Integers:
-    """What a half step along each axis adds to an edge's number."""
-    _, b, c = (2 * n for n in lattice.shape)
-    return np.array([b * c, c, 1])
-
-
-def _at_tied_edge(lattice: Lattice, halves: Integers) -> Booleans:
-    """(n,) an end of the lattice edge is a tied sample."""
-    if not lattice.tied.any():
-        return np.zeros(len(halves), bool)
-    low, high = halves // 2, (halves + 1) // 2
-    return np.asarray(lattice.tied[tuple(low.T)] | lattice.tied[tuple(high.T)])
-
-
-def _moved(ours: Crossings, theirs: Crossings, lattice: Lattice) -> str:
-    """How the crossings differ; nothing where they do not."""
-    if not np.array_equal(ours.edge, theirs.edge):
-        lost = np.setxor1d(ours.edge, theirs.edge)
-        return f"{len(lost)} lattice edges have a vertex in one answer and not in the other"
-    if not len(ours.edge):
+def _moved(lattice: Lattice, mine: Floats, theirs: Floats) -> str:
+    """How two sets of places differ; nothing where they do not."""
+    alone, other = alike.lonely(mine, theirs, NEAR * lattice.tolerance)
+    if not len(alone) and not len(other):
         return ""
-    distance = np.abs(ours.place - theirs.place).max(axis=1)
-    far = int(distance.argmax())
-    if distance[far] <= 8 * lattice.tolerance:
-        return ""
+    first = mine[alone[0]] if len(alone) else theirs[other[0]]
     return (
-        f"the vertex at index {ours.place[far].round(6).tolist()} is {distance[far]:.3g} spacings "
-        "away"
+        f"{len(alone)} vertices of the plain answer have none of this one at their place, and "
+        f"{len(other)} of this one none of the plain answer; one is at index {place(first)}"
     )
 
 
-def _claim(name: str, rule: str, variants: tuple[str, ...]) -> Claim:
-    """A claim of this family: level 2."""
+def _same_cells(trial: Trial, other: Complex) -> str:
+    """How the vertices in cells, or the edges between cells that share a face, differ."""
+    mine, lattice = complex_of(trial), lattice_of(trial)
+    places = [_free(lattice, mesh.points[mesh.used]) for mesh in (mine, other)]
+    if told := _moved(lattice, *places):
+        return told
+    kept = [_between_neighbours(lattice, mesh) for mesh in (mine, other)]
+    alone, lone = alike.unmatched_edges(mine, other, (kept[0], kept[1]), NEAR * lattice.tolerance)
+    if not len(alone) and not len(lone):
+        return ""
+    ends = mine.points[alone[0]] if len(alone) else other.points[lone[0]]
+    return (
+        f"{len(alone)} edges between cells that share a face are only in the plain answer, and "
+        f"{len(lone)} only in this one; one is from index {place(ends[0])} to {place(ends[1])}"
+    )
+
+
+def _free(lattice: Lattice, places: Floats) -> Floats:
+    """The places that are not beside a tied sample."""
+    return places[~lattice.beside_tie(places)] if len(places) else places
+
+
+def _between_neighbours(lattice: Lattice, mesh: Complex) -> Booleans:
+    """(e,) edges between vertices in cells that share a face, not beside a tied sample."""
+    ends = alike.edges(mesh)
+    cells = np.floor(mesh.points[ends])
+    step = np.abs(cells[:, 0] - cells[:, 1])
+    near = lattice.beside_tie(mesh.points[ends].reshape(-1, lattice.n)).reshape(-1, 2).any(axis=1)
+    # A vertex in a face of its cell belongs to either side.
+    inner = np.abs(mesh.points[ends] - np.rint(mesh.points[ends])) > lattice.tolerance
+    return np.asarray((step.sum(axis=1) == 1) & ~near & inner.all(axis=(1, 2)))
+
+
+def _same_crossings_of_split(trial: Trial, other: Complex, variant: variants.Variant) -> str:
+    """How vertices on the edges of the split, or edges on its triangles, differ."""
+    mine, lattice = complex_of(trial), lattice_of(trial)
+    places = [_free(lattice, mesh.points[mesh.used]) for mesh in (mine, other)]
+    return _moved(lattice, *places)
+
+
+def _same_meetings(trial: Trial, other: Complex) -> str:
+    """How the points on lattice faces of dimension m, the pieces or the Euler numbers differ."""
+    mine, lattice = complex_of(trial), lattice_of(trial)
+    meshes = (mine, other)
+    if told := _moved(lattice, *(_free(lattice, met(lattice, mesh)) for mesh in meshes)):
+        return told
+    if lattice.tied.any():
+        return ""
+    numbers = [(mesh.components, mesh.euler) for mesh in meshes]
+    if numbers[0] == numbers[1]:
+        return ""
+    return (
+        f"{numbers[1][0]} pieces of Euler characteristic {numbers[1][1]}; plain, {numbers[0][0]} "
+        f"of {numbers[0][1]}"
+    )
+
+
+def met(lattice: Lattice, mesh: Complex) -> Floats:
+    """The points in which the mesh meets the flats of dimension m through the samples."""
+    n, m = lattice.n, len(lattice.isovalues)
+    found = [np.empty((0, n))]
+    for axes in combinations(range(n), m):
+        turned = (*axes, *(a for a in range(n) if a not in axes))
+        shape = tuple(lattice.shape[a] for a in turned)
+        along, flat, _ = crossings(mesh.points[:, turned], mesh.simplices, shape, m)
+        found.append(np.concatenate([along, flat], axis=1)[:, np.argsort(turned)])
+    return np.concatenate(found)
+
+
+# --- what may be asked ---------------------------------------------------------------------------
+
+
+def _posed_alike(trial: Trial, name: str) -> bool:
+    """Whether the interpolant of a variant is that of the plain field, moved or turned with it."""
+    declared, n = trial.declaration, trial.kind.n
+    if declared.interpolant != "tetrahedra":
+        return True
+    if name.startswith("translate"):
+        cells = 2 if name.endswith("-2") else 1
+        return all(cells % period == 0 for period in declared.split.period(n))
+    if not name.startswith("symmetry/"):
+        return True
+    order, mirrored = variants.symmetry_of(name)
+    parities = tuple((size - 1) % 2 for size in trial.field.shape)
+    key = f"own symmetry {order} {mirrored}"
+    return remembered(trial, key, lambda: own_symmetry(declared.split, parities, order, mirrored))
+
+
+def own_symmetry(
+    split: Split, parities: tuple[int, ...], order: tuple[int, ...], mirrored: tuple[bool, ...]
+) -> bool:
+    """Whether the split of a lattice, turned, is the split of the turned lattice.
+
+    `parities` are the numbers of cells along each axis modulo two: where a split repeats after two
+    cells, they say where a mirrored one begins.
+
+    >>> own_symmetry(Split(), (0, 0), (1, 0), (False, False))
+    True
+    >>> own_symmetry(Split(), (0, 0), (0, 1), (True, False))
+    False
+    """
+    cells = tuple(2 + parity for parity in parities)
+    plain = _simplices_of(split, cells)
+    turned_cells = tuple(cells[axis] for axis in order)
+    there = _simplices_of(split, turned_cells)
+    back = set()
+    for simplex in there:
+        corners = []
+        for corner in simplex:
+            moved = [turned_cells[a] - x if mirrored[a] else x for a, x in enumerate(corner)]
+            corners.append(tuple(moved[order.index(axis)] for axis in range(len(cells))))
+        back.add(frozenset(corners))
+    return back == plain
+
+
+def _simplices_of(split: Split, cells: tuple[int, ...]) -> set[frozenset[tuple[int, ...]]]:
+    """The simplices of a lattice of so many cells; those of blocks that stick out are cut off."""
+    n = len(cells)
+    found = set()
+    for start in product(*(range(0, c, p) for c, p in zip(cells, split.period(n), strict=True))):
+        for simplex in split.over(n):
+            moved = [tuple(s + x for s, x in zip(start, corner, strict=True)) for corner in simplex]
+            if all(x <= c for corner in moved for x, c in zip(corner, cells, strict=True)):
+                found.add(frozenset(moved))
+    return found
+
+
+def not_own(declared: Declaration) -> bool:
+    """Vertices on edges or in cells; an own lattice is judged on known bodies only."""
+    return declared.vertices != "own"
+
+
+def two_components(kind: Kind) -> bool:
+    """Kinds with components that can change places."""
+    return kind.m > 1
+
+
+LAYOUTS = ("fortran", "strided", "backwards")
+TYPES = ("float32", "float64", "int16", "uint8")
+
+
+def _claim(
+    name: str,
+    rule: str,
+    difference: Difference,
+    asked: tuple[str, ...],
+    families: Callable[[Declaration], bool] = not_own,
+    kinds: Callable[[Kind], bool] = every_kind,
+) -> Claim:
+    """A claim of level 2 that compares these variants with the plain answer."""
     return Claim(
-        id=f"symmetry.{name}",
+        id=name,
         rule=rule,
-        source="isograde design, level 2: the same answer however the field is presented",
+        source=DESIGN,
         level=2,
-        judge=same(*variants),
-        variants=variants,
-        unless=frozenset({"on-edges"}),
+        judge=same(difference, *asked),
+        kinds=kinds,
+        families=families,
+        variants=asked,
     )
 
 
 CLAIMS = (
     _claim(
-        "translation",
-        "A field inside a larger grid is answered as it is alone: the same vertices on lattice "
-        "edges, the same segments on faces of cells.",
-        ("translate",),
+        "symmetry.translation",
+        "A field inside a larger grid is answered, one cell off its border, as it is alone.",
+        same_simplices,
+        ("translate", "translate-2"),
     ),
     _claim(
-        "scaling",
-        "Values and isovalue times a positive number give the same vertices on lattice edges and "
-        "the same segments on faces of cells.",
+        "symmetry.scaling",
+        "Values and isovalue times a positive number give the same mesh.",
+        same_simplices,
         ("scale",),
+        every_family,
     ),
     _claim(
-        "shift",
-        "Values and isovalue plus a number give the same vertices on lattice edges and the same "
-        "segments on faces of cells.",
+        "symmetry.shift",
+        "Values and isovalue plus a number give the same mesh, up to rounding.",
+        same_simplices,
         ("shift",),
+        every_family,
     ),
     _claim(
-        "orientation",
-        "Each of the 48 symmetries of the cube, applied to the field, is applied to the vertices "
-        "on lattice edges and to the segments on faces of cells.",
-        tuple(variant.name for variant in SYMMETRIES),
+        "symmetry.orientation",
+        "Each symmetry of the lattice, applied to the field, is applied to the answer, but for "
+        "diagonals.",
+        same_shape,
+        ("symmetry/",),
+    ),
+    _claim(
+        "symmetry.components",
+        "The components in another order give the same answer, but for diagonals.",
+        same_shape,
+        ("components",),
+        not_own,
+        two_components,
+    ),
+    _claim(
+        "symmetry.spacing",
+        "An uneven spacing stretches the answer and changes nothing else, but for diagonals.",
+        same_shape,
+        ("spacing",),
+    ),
+    _claim(
+        "symmetry.layout",
+        "The order of the samples in memory does not change the answer.",
+        same_simplices,
+        LAYOUTS,
+        every_family,
+    ),
+    _claim(
+        "symmetry.type",
+        "The same numbers in another type give the same answer, up to rounding.",
+        same_simplices,
+        TYPES,
+        every_family,
     ),
 )

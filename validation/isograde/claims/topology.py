@@ -199,18 +199,19 @@ def sides(trial: Trial) -> Finding:
         if reverse
         else ""
     )
-    what = "step" if kind.m == 1 else "face"
+    what, along = ("step", "axis") if kind.m == 1 else ("face", "axes")
+    wanted, found = int(met.wanted[first]), int(met.found[first])
     return failed(
-        f"{len(bad)} of {len(met.found)} {what}s of the lattice; on that from sample {corner} along "
-        f"{'axis' if kind.m == 1 else 'axes'} {', '.join(map(str, axes))} the samples ask for "
-        f"{int(met.wanted[first]):+d}, and the mesh meets it {int(met.found[first]):+d} times{told}",
+        f"{len(bad)} of {len(met.found)} {what}s of the lattice; on that from sample {corner} "
+        f"along {along} {', '.join(map(str, axes))} the samples ask for {wanted:+d}, and the mesh "
+        f"meets it {found:+d} times{told}",
         faces=len(bad),
         judged=len(met.found),
         reversed=reverse,
         sample=corner,
         axes=axes,
-        found=int(met.found[first]),
-        wanted=int(met.wanted[first]),
+        found=found,
+        wanted=wanted,
         inside=[bool(side[tuple(corner)]) for side in lattice.sides],
     )
 

@@ -353,7 +353,7 @@ def parity(rows: Integers) -> Integers:
 
 
 def _sides(simplices: Integers) -> tuple[list[Integers], Integers]:
-    """The k columns of every side's vertices, ascending, and +1 where it is turned as they climb."""
+    """The k columns of every side's vertices, ascending, and +1 where it is turned so."""
     k = simplices.shape[1] - 1
     if k == 2:
         tail = simplices.reshape(-1)

@@ -67,8 +67,8 @@ class Meetings:
     axes : (r, m) the axes along which each face runs
     corner : (r, n) its lowest sample
     found : (r,) the mesh's signed meetings
-    wanted : (r,) (-1)^m times the degree on its boundary; for m = 1, (inside at the start) - (inside
-        at the end)
+    wanted : (r,) (-1)^m times the degree on its boundary; for m = 1, (inside at the start) less
+        (inside at the end)
     """
 
     axes: Integers

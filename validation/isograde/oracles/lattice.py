@@ -119,7 +119,7 @@ class Lattice:
         return max(ROOM * self.tolerance, 2 * (self.declared.soup or 0.0))
 
     def index(self, points: Floats) -> Floats:
-        """Index coordinates of world positions; those at the ends of the domain stand there exactly.
+        """Index coordinates of world positions; those at the domain's ends stand there exactly.
 
         Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
         """
