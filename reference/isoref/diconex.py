@@ -49,9 +49,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, check_isovalue
+from isoref.field import (
+    Array,
+    Booleans,
+    Field,
+    FieldError,
+    Floats,
+    Integers,
+    check_isovalue,
+    inside_samples,
+)
 from isoref.mesh import Mesh
-from isoref.sweep import crossing_parameter, inside_samples
+from isoref.sweep import crossing_parameter
 
 Mode = Literal["disconnect", "connect", "mixed"]
 Border = Literal["open", "closed"]

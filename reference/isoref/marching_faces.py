@@ -53,8 +53,7 @@ from scipy.optimize import linear_sum_assignment
 from isoref import asymptotic_decider
 from isoref.cube import CORNER_OFFSETS, EDGE_OF, corner_at
 from isoref.curves import Curve, check_pair, curves_through, follow, real_and_imaginary
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
-from isoref.sweep import least_inside
+from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, least_inside
 
 FaceRule = Literal["gradient", "asymptotic", "separated", "joined"]
 

@@ -12,10 +12,10 @@ from functools import partial
 from numpy.typing import ArrayLike
 
 from isoref import asymptotic_decider, lorensen_cline, marching_vesta, trilinear_cubes
+from isoref.fast.sweep import sweep
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep
 from isoref.vesta import SIX_SURFACES, vesta
 
 Method = Callable[[Field, float], Mesh]

@@ -11,10 +11,10 @@ from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_cases import case_names
 from isograde.oracles.trilinear_grid import active_cells
 from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep
 
 from tests.isograde.miniatures import Place, asymptotic, careful_fan, made
 

@@ -11,10 +11,10 @@ from isograde.oracles.trilinear_grid import active_cells, grid
 from isoref import trilinear_cubes as tc
 from isoref.cube import CORNERS, EDGES, ambiguous_faces
 from isoref.cycles import cycles, share_face
+from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from isoref.rule import Tile
-from isoref.sweep import sweep_with_cells
 
 FLIP = np.array([4 * i + 2 * j + k for i, j, k in CORNERS])
 """The truth's number of each corner."""
