@@ -16,9 +16,10 @@ import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
 from isograde.cases.volumes import REGISTRY, find, read
 from isoref.diconex import diconex, diconex_plainly
+from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
-from isoref.vesta import cycles_plainly, extract
+from isoref.vesta import extract as extract_plainly
 from stopwatch import interleave, peak_memory
 
 Run = Callable[[], object]
@@ -82,7 +83,7 @@ def twins(rounds: int) -> list[str]:
             "VESTA beside its plain twin: noise 16^3, closed border",
             {
                 "arrays": lambda: extract(volume, 0.0, border="closed"),
-                "plain loop": lambda: cycles_plainly(volume, 0.0),
+                "plain loop": lambda: extract_plainly(volume, 0.0),
             },
             rounds,
         ),

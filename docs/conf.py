@@ -33,7 +33,7 @@ CHAPTERS = {
         "dyadic",
         "projection",
     ),
-    "The fast twins": ("fast.sweep",),
+    "The fast twins": ("fast.sweep", "fast.vesta"),
 }
 
 project = "isograde"

@@ -23,6 +23,7 @@ from isograde.proof import prove
 from isograde.reproduction import Table, write_report
 from isoref.cube import configuration, is_exchanged
 from isoref.fast.sweep import sweep
+from isoref.fast.vesta import Surface, extract
 from isoref.field import Field
 from isoref.freeze_out import (
     contour_stack,
@@ -36,7 +37,6 @@ from isoref.freeze_out import (
 from isoref.marching_vesta import CENTRES, JUNCTURES, PATHS, RULES, cycles, paper_number, rule
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
-from isoref.vesta import Surface, extract
 
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "tables.json").read_text(encoding="utf-8"))

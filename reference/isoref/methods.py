@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 
 from isoref import asymptotic_decider, lorensen_cline, marching_vesta, trilinear_cubes
 from isoref.fast.sweep import sweep
+from isoref.fast.vesta import vesta
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.vesta import SIX_SURFACES, vesta
+from isoref.vesta import SIX_SURFACES
 
 Method = Callable[[Field, float], Mesh]
 
