@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
 from isograde.cases.volumes import REGISTRY, find, read
-from isoref.diconex import diconex, diconex_plainly
+from isoref.diconex import diconex as diconex_plainly
+from isoref.fast.diconex import diconex
 from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS

@@ -33,7 +33,7 @@ CHAPTERS = {
         "dyadic",
         "projection",
     ),
-    "The fast twins": ("fast.sweep", "fast.vesta"),
+    "The fast twins": ("fast.sweep", "fast.diconex", "fast.vesta"),
 }
 
 project = "isograde"

@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoref import vesta as article
-from isoref.diconex import Border, Mode, average_is_active, between, check_choice, framed
+from isoref.diconex import Border, Mode, average_is_active, check_choice
+from isoref.fast.diconex import between, framed
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution

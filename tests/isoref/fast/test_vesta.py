@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from isoref import vesta as article
-from isoref.diconex import Border, Mode, diconex
+from isoref.diconex import Border, Mode
+from isoref.fast.diconex import diconex
 from isoref.fast.vesta import (
     Faces,
     Surface,
