@@ -60,7 +60,7 @@ def mixed_cells(n: int, seed: int) -> Floats:
     """
     rng = np.random.default_rng(seed)
     x, y, z = 10.0 ** rng.uniform(-90, 90, (3, n, 2))
-    return saddle_cells(n, seed) * np.einsum("ni,nj,nk->nijk", x, y, z)
+    return np.asarray(saddle_cells(n, seed) * np.einsum("ni,nj,nk->nijk", x, y, z))
 
 
 def exact_tunnel(g: list[Fraction]) -> int:
@@ -77,7 +77,7 @@ def exact_tunnel(g: list[Fraction]) -> int:
 
         def q(t: Fraction, ends: list[list[Fraction]] = ends) -> Fraction:
             w = [x * (1 - t) + y * t for x, y in zip(*ends, strict=True)]
-            return w[0] * w[3] - w[1] * w[2]
+            return Fraction(w[0] * w[3] - w[1] * w[2])
 
         at_0, at_1, at_half = q(Fraction(0)), q(Fraction(1)), q(Fraction(1, 2))
         bend = 2 * (at_0 + at_1 - 2 * at_half)  # q = at_0 + slope t + bend t^2
@@ -300,8 +300,8 @@ def test_floats_settle_nearly_all_cells() -> None:
     """The filter leaves to integers at most one cell in a thousand, of reals and of bytes."""
     rng = np.random.default_rng(10)
     reals: Floats = rng.uniform(-1, 1, (8, 50_000))
-    bytes_: Floats = rng.integers(0, 256, (8, 50_000)) - 127.5
-    for g in (reals, bytes_):
+    octets: Floats = rng.integers(0, 256, (8, 50_000)).astype(np.float64) - 127.5
+    for g in (reals, octets):
         there, joins, sure = tc.read(tc.normalised(g), tc.ERROR, tc.ERROR_AT_MIDDLE)
         assert (~sure).mean() < 1e-3
         some = np.flatnonzero(sure)[:5000]
