@@ -20,6 +20,7 @@ CHAPTERS = {
     "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
     "Its repair": ("asymptotic_decider", "trilinear_cubes", "methods"),
     "Volume-enclosing surfaces": ("diconex", "vesta", "marching_vesta", "freeze_out"),
+    "Other families": ("dual", "surface_nets", "dual_marching_cubes", "label_cubes"),
     "Where two isosurfaces meet": (
         "curves",
         "marching_faces",
@@ -33,7 +34,7 @@ CHAPTERS = {
         "dyadic",
         "projection",
     ),
-    "The fast twins": ("fast.sweep", "fast.diconex", "fast.vesta"),
+    "The fast twins": ("fast.sweep", "fast.diconex", "fast.vesta", "fast.dual"),
 }
 
 project = "isograde"
