@@ -105,7 +105,8 @@ def test_answers_arrive_closed_in_place_and_facing_outwards(adapter: PythonAdapt
     assert outcome.mesh is not None, outcome.detail
     solid = trimesh.Trimesh(outcome.mesh.vertices, outcome.mesh.simplices)
     assert solid.is_watertight
-    assert solid.volume == pytest.approx(VOLUME, rel=0.3)
+    # A dual surface lies up to 0.4 / R within (design): 1.2 / R^2 of the volume, and R^2 is 3 here.
+    assert solid.volume == pytest.approx(VOLUME, rel=0.4 if adapter.spec in INSET else 0.3)
     centre = (np.array([2.1, 2.4, 3.2]) * field.spacing) + (9, 8, 7)
     assert solid.center_mass == pytest.approx(centre, abs=0.7)
 
