@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
-from isoref.marching_faces import intersection_curves, marching_faces
 from isoref.plane_waves import random_waves
 from stopwatch import interleave, peak_memory
 

@@ -34,7 +34,13 @@ CHAPTERS = {
         "dyadic",
         "projection",
     ),
-    "The fast twins": ("fast.sweep", "fast.diconex", "fast.vesta", "fast.dual"),
+    "The fast twins": (
+        "fast.sweep",
+        "fast.diconex",
+        "fast.vesta",
+        "fast.dual",
+        "fast.marching_faces",
+    ),
 }
 
 project = "isograde"

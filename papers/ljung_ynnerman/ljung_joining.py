@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from isograde.oracles.space_curves import KNOWN
 from isograde.reproduction import Table
-from isoref import marching_faces, surface_intersection
+from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast import marching_faces
 from isoref.field import Field
 from isoref.plane_waves import nodal_density, random_waves
 from isoref.surface_intersection import (

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from isograde.oracles.space_curves import phase_winding
 from isograde.reproduction import Table
-from isoref import marching_faces
 from isoref.curves import real_and_imaginary
+from isoref.fast import marching_faces
+from isoref.marching_faces import FacePoints
 from isoref.plane_waves import Complex
 from ljung_pictures import vortex_picture
 
@@ -48,7 +49,7 @@ def vortices(psi: Complex, spacing: tuple[float, ...], picture: Path) -> tuple[T
     return table, problem
 
 
-def winding_mismatches(psi: Complex, points: marching_faces.FacePoints) -> int:
+def winding_mismatches(psi: Complex, points: FacePoints) -> int:
     """On how many lattice faces the headings of the points do not add up to the phase's winding."""
     corner = np.stack(np.unravel_index(points.voxels, points.cells), axis=1)
     wrong = 0

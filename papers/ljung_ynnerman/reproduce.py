@@ -18,8 +18,9 @@ import ljung_joining as joinings
 import ljung_scaling as scalings
 import numpy as np
 from isograde.reproduction import Table, write_report
-from isoref import lorensen_cline, marching_faces, surface_intersection
+from isoref import lorensen_cline, surface_intersection
 from isoref.curves import Curve, real_and_imaginary
+from isoref.fast import marching_faces
 from isoref.field import Field, Floats
 from isoref.plane_waves import Complex, bounded_waves, random_waves
 from isoref.surface_intersection import IndexedSurface, enhanced_marching_cubes
