@@ -10,6 +10,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
+from isograde.oracles.flat import LIMIT, MOST
 from isograde.oracles.halfedges import Surface
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import Traces, traces
@@ -120,6 +121,20 @@ def traces_of(trial: Trial) -> Traces:
     surface = surface_of(trial)
     return remembered(
         trial, "traces", lambda: traces(lattice_of(trial), surface.points, surface.faces)
+    )
+
+
+def undecided(trial: Trial, cells: Booleans) -> Finding | None:
+    """What to say where no cell is wrong and these cells are not judged; None where all are.
+
+    cells : (n,) of `traces_of(trial)`, with too many flat triangles
+    """
+    count = int((cells & ~traces_of(trial).tied).sum())
+    if not count:
+        return None
+    return skipped(
+        f"{count} cells are not judged: more than {MOST} triangles lie flat in a face, or there "
+        f"are more than {LIMIT:,} ways to give such triangles to the cells on either side"
     )
 
 

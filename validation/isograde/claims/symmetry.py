@@ -38,7 +38,7 @@ from isograde.model import Claim, Finding, Judge, Status, Trial, Verdict
 from isograde.oracles.bilinear import saddles
 from isograde.oracles.halfedges import Surface
 from isograde.oracles.lattice import Lattice
-from isograde.oracles.traces import Traces, traces
+from isograde.oracles.traces import Traces, alike, traces
 from isograde.variants import SYMMETRIES, VARIANTS, Variant, pose
 
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when
@@ -99,9 +99,7 @@ def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
     if lost:
         return f"{lost} cells have triangles in one answer and not in the other"
     changed = np.zeros(judged.shape, bool)
-    changed[row] = (theirs.separated[other_row] != ours.separated[row]) | (
-        theirs.joined[other_row] != ours.joined[row]
-    )
+    changed[row] = ~alike(ours, theirs, row, other_row)
     changed &= judged
     if changed.any():
         row, face = np.argwhere(changed)[0]

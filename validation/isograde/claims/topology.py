@@ -23,6 +23,7 @@ from isograde.claims.evidence import (
     place,
     steps_of,
     traces_of,
+    undecided,
     welded,
 )
 from isograde.model import Claim, Finding, Judge, Trial
@@ -158,7 +159,7 @@ def bilinear(trial: Trial) -> Finding:
     """
     traces, lattice = traces_of(trial), lattice_of(trial)
     row, face, sign, _ = saddles(lattice, traces)
-    judged = ~traces.tied[row]
+    judged = ~traces.tied[row] & ~traces.undecided[row, face]
     row, face, sign = row[judged], face[judged], sign[judged]
     separated, joined = traces.separated[row, face], traces.joined[row, face]
     bad = np.flatnonzero(np.where(sign > 0, ~joined, np.where(sign < 0, ~separated, False)))
@@ -169,7 +170,7 @@ def bilinear(trial: Trial) -> Finding:
         "degenerate": int((sign == 0).sum()),
     }
     if not len(bad):
-        return passed(**counts)
+        return undecided(trial, np.asarray(traces.undecided.any(axis=1))) or passed(**counts)
     n = int(bad[0])
     cell, f = traces.place[row[n]].tolist(), int(face[n])
     return failed(
