@@ -8,7 +8,6 @@ names the folder that holds its scan.
 from __future__ import annotations
 
 import argparse
-import platform
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,7 +20,7 @@ from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from isoref.vesta import extract as extract_plainly
-from stopwatch import interleave, peak_memory
+from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 PAIRS = ("disconnect-L", "mixed-L", "mixed-H")
@@ -66,12 +65,12 @@ def table(title: str, runs: dict[str, Run], rounds: int) -> str:
     lines = [
         f"## {title}",
         "",
-        "| | median s | time / first | extra peak MiB |",
+        "| | median s (least to most) | time / first | extra peak MiB |",
         "| --- | ---: | ---: | ---: |",
     ]
     for timing in interleave(runs, rounds):
         memory = peak_memory(runs[timing.name]) / 2**20
-        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+        lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -109,8 +108,8 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = [
         "# VESTA, one thread",
-        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; "
-        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
+        "ratios carry over.",
     ]
     for name in arguments.fields:
         build, isovalue = FIELDS[name]

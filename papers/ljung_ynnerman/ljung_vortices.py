@@ -41,8 +41,9 @@ def vortices(psi: Complex, spacing: tuple[float, ...], picture: Path) -> tuple[T
         length = round(sum(curve.length for curve in curves), 1)
         table.add(f"echo {echo + 1}: length", None, length, note="in the file's units (mm)")
         wrong = winding_mismatches(psi[..., echo], points)
-        note = "first column: what must be, for the phase turns once around each line"
-        table.add(f"echo {echo + 1}: faces whose winding differs", 0, wrong, note=note)
+        note = "the phase turns once around each line"
+        what = f"echo {echo + 1}: faces whose winding differs"
+        table.add(what, None, wrong, expected=0, note=note)
         lines.append(curves)
         inside.append(np.abs(psi[..., echo]))
     problem = vortex_picture(inside[-1], lines[-1], spacing, picture)
