@@ -7,18 +7,16 @@ itself after the call, and the mesh is sent back. Writes ``reports/benchmarks/ad
 from __future__ import annotations
 
 import argparse
-import platform
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 from bench_extraction import sphere
 from isograde.adapters import open_adapter
 from isograde.model import Adapter, Limits, Request
 from isoref.field import Field
 from skimage.measure import marching_cubes
-from stopwatch import interleave
+from stopwatch import interleave, machine_state
 
 NAME = "skimage:lewiner"
 # Small fields are asked many times, so that a round takes some hundredths of a second.
@@ -44,12 +42,8 @@ def row(adapter: Adapter, side: int, rounds: int) -> str:
         "adapter": repeated(partial(adapter.run, request), times),
     }
     direct, through = interleave(contestants, rounds)
-    pairs = zip(through.seconds, direct.seconds, strict=True)
-    extra = float(np.median([a - b for a, b in pairs])) / times
-    return (
-        f"| {side}^3 | {1000 * direct.median / times:.3f} | {1000 * extra:.3f} | "
-        f"{through.ratio:.2f} |"
-    )
+    shown = [timing.shown(3, 1000 / times) for timing in (direct, through)]
+    return f"| {side}^3 | {' | '.join(shown)} | {through.ratio:.2f} |"
 
 
 def main() -> None:
@@ -63,9 +57,9 @@ def main() -> None:
     adapter.open(Limits(seconds=120.0))
     lines = [
         "# What an adapter costs\n",
-        f"{NAME}, a sphere in float32; {platform.machine()}, Python {platform.python_version()}; "
-        f"medians of {arguments.rounds} rounds, in turn.\n",
-        "| samples | direct ms a call | adapter's share, ms | through the adapter / direct |",
+        f"{machine_state()}; {NAME}, a sphere in float32; medians of {arguments.rounds} rounds, "
+        "in turn.\n",
+        "| samples | direct, ms a call (least to most) | through the adapter, ms | ratio |",
         "| ---: | ---: | ---: | ---: |",
     ]
     for side in arguments.sides:

@@ -18,7 +18,7 @@ from isograde.oracles.halfedges import Surface
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
-from stopwatch import interleave
+from stopwatch import interleave, machine_state
 
 Run = Callable[[], object]
 # What each library was asked, beside the table.
@@ -92,13 +92,15 @@ def main() -> None:
     lines = [
         "# Checking a mesh, one thread",
         "",
+        f"{machine_state()}.",
+        "",
         f"{len(mesh.simplices):,} triangles, closed; medians of {arguments.rounds} rounds in turn.",
         "",
-        "| | median s | time / ours | asked |",
+        "| | median s (least to most) | time / ours | asked |",
         "| --- | ---: | ---: | --- |",
     ]
     for timing in interleave({"isograde": lambda: ours(mesh)} | peers(mesh), arguments.rounds):
-        numbers = f"{timing.median:.3f} | {timing.ratio:.2f}"
+        numbers = f"{timing.shown(3)} | {timing.ratio:.2f}"
         lines.append(f"| {timing.name} | {numbers} | {ASKED[timing.name]} |")
     text = "\n".join(lines) + "\n"
     print(text)

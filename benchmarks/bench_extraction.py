@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import platform
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from isograde.cases.volumes import REGISTRY, find, read
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from scipy.ndimage import gaussian_filter
-from stopwatch import interleave, peak_memory
+from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 ANEURISM = REGISTRY["aneurism"]
@@ -124,12 +123,12 @@ def table(name: str, values: Array, methods: list[str], rounds: int) -> str:
     lines = [
         f"## {name}: {len(mesh.vertices):,} vertices, {len(mesh.simplices):,} triangles",
         "",
-        "| | median s | time / ours | extra peak MiB |",
+        "| | median s (least to most) | time / ours | extra peak MiB |",
         "| --- | ---: | ---: | ---: |",
     ]
     for timing in interleave(contestants, rounds):
         memory = peak_memory(contestants[timing.name]) / 2**20
-        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+        lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -145,8 +144,8 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = [
         "# Extraction, one thread",
-        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; "
-        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
+        "ratios carry over.",
     ]
     for name in arguments.fields:
         parts.append(table(name, FIELDS[name](), arguments.methods, arguments.rounds))

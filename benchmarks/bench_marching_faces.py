@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import os
-import platform
 import resource
 from collections.abc import Callable
 from pathlib import Path
@@ -19,10 +17,10 @@ from pathlib import Path
 import numpy as np
 from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
-from isoref.marching_faces import intersection_curves, marching_faces
 from isoref.plane_waves import random_waves
-from stopwatch import interleave, peak_memory
+from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 
@@ -64,13 +62,13 @@ def table(side: int, rounds: int) -> str:
     lines = [
         f"## {side}^3: {points:,} points, {len(curves)} curves, {closed} closed",
         "",
-        "| | median s | time / marching faces | extra peak MiB |",
+        "| | median s (least to most) | time / marching faces | extra peak MiB |",
         "| --- | ---: | ---: | ---: |",
     ]
     runs = contestants(first, second)
     for timing in interleave(runs, rounds):
         memory = peak_memory(runs[timing.name]) / 2**20
-        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+        lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
     whole = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     lines.append(f"\nPeak of the whole process so far, fields and all: {whole:.2f} GiB.")
     return "\n".join(lines) + "\n"
@@ -85,10 +83,8 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = [
         "# Intersection curves, one thread",
-        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; random "
-        f"waves, wave number {WAVE_NUMBER:g}; medians of {arguments.rounds} rounds, contestants in "
-        f"turn. Load {os.getloadavg()[0]:.0f} on {os.cpu_count()} processors when it began. Only "
-        "the ratios carry over.",
+        f"{machine_state()}; random waves, wave number {WAVE_NUMBER:g}; medians of "
+        f"{arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
     ]
     for side in arguments.sides:
         parts.append(table(side, arguments.rounds))

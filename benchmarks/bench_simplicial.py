@@ -18,7 +18,7 @@ from isoref.dyadic import Samples, SlopeBound, dyadic_tree, extract_dyadic
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.simplicial import extract
-from stopwatch import interleave, peak_memory
+from stopwatch import interleave, machine_state, peak_memory
 
 Make = Callable[[], Mesh]
 
@@ -174,9 +174,9 @@ def peers(N: int, rounds: int) -> list[str]:
         image = pyvista.ImageData(dimensions=values.shape)
         image["phi"] = values.ravel(order="F")
         runs["vtkContourFilter"] = lambda: image.contour([0.0], scalars="phi")
-    lines = [f"| sphere, {N}^3 | seconds | over ours |", "| --- | --: | --: |"]
+    lines = [f"| sphere, {N}^3 | seconds (least to most) | over ours |", "| --- | --: | --: |"]
     for timing in interleave(runs, rounds):
-        lines.append(f"| {timing.name} | {timing.median:.3f} | {timing.ratio:.2f} |")
+        lines.append(f"| {timing.name} | {timing.shown(3)} | {timing.ratio:.2f} |")
     return lines
 
 
@@ -191,6 +191,8 @@ def main() -> None:
         "# Simplicial isosurfaces",
         "",
         (__doc__ or "").split("\n\n")[1].split(" Writes")[0],
+        "",
+        f"{machine_state()}.",
         "",
     ]
     parts += ["## Cost by size", "", *scale(options.small), ""]

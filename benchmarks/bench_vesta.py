@@ -8,18 +8,19 @@ names the folder that holds its scan.
 from __future__ import annotations
 
 import argparse
-import platform
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
 from isograde.cases.volumes import REGISTRY, find, read
-from isoref.diconex import diconex, diconex_plainly
+from isoref.diconex import diconex as diconex_plainly
+from isoref.fast.diconex import diconex
+from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
-from isoref.vesta import cycles_plainly, extract
-from stopwatch import interleave, peak_memory
+from isoref.vesta import extract as extract_plainly
+from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 PAIRS = ("disconnect-L", "mixed-L", "mixed-H")
@@ -64,12 +65,12 @@ def table(title: str, runs: dict[str, Run], rounds: int) -> str:
     lines = [
         f"## {title}",
         "",
-        "| | median s | time / first | extra peak MiB |",
+        "| | median s (least to most) | time / first | extra peak MiB |",
         "| --- | ---: | ---: | ---: |",
     ]
     for timing in interleave(runs, rounds):
         memory = peak_memory(runs[timing.name]) / 2**20
-        lines.append(f"| {timing.name} | {timing.median:.4f} | {timing.ratio:.2f} | {memory:.0f} |")
+        lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -82,7 +83,7 @@ def twins(rounds: int) -> list[str]:
             "VESTA beside its plain twin: noise 16^3, closed border",
             {
                 "arrays": lambda: extract(volume, 0.0, border="closed"),
-                "plain loop": lambda: cycles_plainly(volume, 0.0),
+                "plain loop": lambda: extract_plainly(volume, 0.0),
             },
             rounds,
         ),
@@ -107,8 +108,8 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = [
         "# VESTA, one thread",
-        f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; "
-        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
+        "ratios carry over.",
     ]
     for name in arguments.fields:
         build, isovalue = FIELDS[name]

@@ -1,7 +1,9 @@
 """Ratios of times taken in turn, in one process, on one machine.
 
 An absolute time says little: machines differ and drift. Every benchmark here therefore runs its
-contestants in turn, A B C A B C .., and quotes medians and ratios of the same round.
+contestants in turn, A B C A B C .., and quotes medians with their spread, and ratios of these
+medians, so that a reader can check one against the other. Every report begins with
+`machine_state`: what else ran can be read off the load.
 """
 
 from __future__ import annotations
@@ -9,6 +11,8 @@ from __future__ import annotations
 import ctypes
 import gc
 import multiprocessing
+import os
+import platform
 import statistics
 import threading
 import time
@@ -16,16 +20,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
+import numpy as np
 import psutil
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds of one contestant, a number a round, and its ratio to the first contestant."""
+    """Seconds of one contestant, a number a round, and the median of the first contestant."""
 
     name: str
     seconds: tuple[float, ...]
-    ratios: tuple[float, ...]
+    first: float
 
     @property
     def median(self) -> float:
@@ -34,8 +39,24 @@ class Timing:
 
     @property
     def ratio(self) -> float:
-        """Median over the rounds of this contestant's time divided by the first one's."""
-        return statistics.median(self.ratios)
+        """The median over that of the first contestant."""
+        return self.median / self.first
+
+    def shown(self, digits: int = 4, scale: float = 1.0) -> str:
+        """The median, times `scale`, with the least and the largest of the rounds.
+
+        >>> Timing("a", (0.25, 0.5, 1.0), 0.5).shown(2)
+        '0.50 (0.25 to 1.00)'
+        """
+        least, most = min(self.seconds) * scale, max(self.seconds) * scale
+        return f"{self.median * scale:.{digits}f} ({least:.{digits}f} to {most:.{digits}f})"
+
+
+def machine_state(*others: str) -> str:
+    """The machine, the versions, and the load at this moment, in one sentence."""
+    busy = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors when this began"
+    versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
+    return ", ".join([platform.machine(), versions, *others, busy])
 
 
 def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5) -> list[Timing]:
@@ -51,11 +72,8 @@ def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5)
             start = time.perf_counter()
             run()
             seconds[name].append(time.perf_counter() - start)
-    first = seconds[next(iter(contestants))]
-    return [
-        Timing(name, tuple(own), tuple(a / b for a, b in zip(own, first, strict=True)))
-        for name, own in seconds.items()
-    ]
+    first = statistics.median(seconds[next(iter(contestants))])
+    return [Timing(name, tuple(own), first) for name, own in seconds.items()]
 
 
 def peak_memory(run: Callable[[], object], interval: float = 0.001) -> int:

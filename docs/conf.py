@@ -17,14 +17,15 @@ SOURCES = {
 }
 # The order in which to read the reference.
 CHAPTERS = {
-    "Fields, meshes and cells": ("field", "mesh", "cube", "cycles", "rule", "sweep", "methods"),
-    "Marching cubes and its repair": ("lorensen_cline", "asymptotic_decider"),
+    "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
+    "Its repair": ("asymptotic_decider", "trilinear_cubes", "methods"),
     "Volume-enclosing surfaces": ("diconex", "vesta", "marching_vesta", "freeze_out"),
+    "Other families": ("dual", "surface_nets", "dual_marching_cubes", "label_cubes"),
     "Where two isosurfaces meet": (
         "curves",
-        "plane_waves",
-        "surface_intersection",
         "marching_faces",
+        "surface_intersection",
+        "plane_waves",
     ),
     "Any dimension and codimension": (
         "kuhn",
@@ -33,7 +34,13 @@ CHAPTERS = {
         "dyadic",
         "projection",
     ),
-    "The trilinear cell": ("trilinear_cubes",),
+    "The fast twins": (
+        "fast.sweep",
+        "fast.diconex",
+        "fast.vesta",
+        "fast.dual",
+        "fast.marching_faces",
+    ),
 }
 
 project = "isograde"

@@ -10,7 +10,7 @@ trefoil. Closed curves have a colour each, open ones end on the border and are g
 
 import matplotlib.pyplot as plt
 import numpy as np
-from isoref.marching_faces import nodal_lines
+from isoref.fast.marching_faces import nodal_lines
 from isoref.plane_waves import random_waves
 
 waves = random_waves((56, 56, 56), k=36.0, seed=4)

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from isograde.oracles.space_curves import KNOWN
 from isograde.reproduction import Table
-from isoref import marching_faces, surface_intersection
+from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast import marching_faces
 from isoref.field import Field
 from isoref.plane_waves import nodal_density, random_waves
 from isoref.surface_intersection import (
@@ -111,6 +112,7 @@ def thresholds(pairs: Pairs) -> str:
         f"| | segments | exact curves (closed) | {names} |",
         "| --- | ---: | ---: |" + " --- |" * len(THRESHOLDS),
     ]
+    right: dict[str, list[float]] = {}
     for name, (pair, isovalues) in pairs.items():
         surfaces = [
             enhanced_marching_cubes(field, isovalue)
@@ -121,9 +123,30 @@ def thresholds(pairs: Pairs) -> str:
         h = max(pair[0].spacing)
         found = [compare(segments, surfaces[0].shape, share * h) for share in THRESHOLDS]
         cells = " | ".join(map(str, found))
+        right[name] = [t for t, one in zip(THRESHOLDS, found, strict=True) if one.right]
         count = f"{len(exact)} ({sum(closed for _, closed in exact)})"
         lines.append(f"| {name} | {len(segments.cells):,} | {count} | {cells} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", joined_sentence(right)]) + "\n"
+
+
+def joined_sentence(right: dict[str, list[float]]) -> str:
+    """What the table says: the thresholds that are right, and on which fields."""
+    always = [t for t in THRESHOLDS if all(t in own for own in right.values())]
+    told = [
+        'h is the longest edge of a voxel; "right" means the curves of the exact joining: as many, '
+        "of the same segments, closed where they close. "
+        f"Thresholds that are right on every field: {_listed(always)}."
+    ]
+    for threshold in THRESHOLDS:
+        wrong = [name for name, own in right.items() if threshold not in own]
+        if wrong:
+            told.append(f"{threshold:g} h is wrong on {len(wrong)} of {len(right)}.")
+    return " ".join([*told, "The exact joining has no such number to choose."])
+
+
+def _listed(numbers: Sequence[float]) -> str:
+    """Numbers in words."""
+    return ", ".join(f"{x:g} h" for x in numbers) or "none"
 
 
 def joining(side: int, k: float, seeds: Sequence[int]) -> Table:
@@ -141,5 +164,5 @@ def joining(side: int, k: float, seeds: Sequence[int]) -> Table:
             closed = sum(curve.closed for curve in curves)
             what = f"{len(curves)} curves, {closed} closed, length {length:.4f}"
             table.add(f"seed {seed}, {name}", None, what)
-        table.add(f"seed {seed}, length by theory", None, round(nodal_density(k), 4))
+        table.add(f"seed {seed}, mean length by theory", None, round(nodal_density(k), 4))
     return table

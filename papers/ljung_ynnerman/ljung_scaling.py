@@ -10,6 +10,7 @@ The law is of large volumes. Two corrections are known, and the fits say which t
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,8 +18,9 @@ from pathlib import Path
 
 import numpy as np
 from isograde.reproduction import Table
-from isoref import marching_faces, surface_intersection
+from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast import marching_faces
 from isoref.field import Field
 from isoref.plane_waves import random_waves
 from isoref.surface_intersection import candidate_pairs, enhanced_marching_cubes
@@ -145,7 +147,9 @@ def scaling(counted: Sequence[Counted], timed: Sequence[Timed]) -> Table:
         for what, note, options in fits:
             mean, half = exponent(counted, of, against, **options)
             note = f"{note}; {sizes}; 95 % interval ± {half:.4f}"
-            table.add(what, claimed, round(mean, 4), tolerance=round(half, 4), note=note)
+            table.add(
+                what, None, round(mean, 4), expected=claimed, tolerance=round(half, 4), note=note
+            )
     table.rows += _times(timed).rows
     ratio = by_seed(counted, lambda row: row.trisect / row.xface)
     note = "the paper: Marching Faces has a smaller constant"
@@ -162,7 +166,9 @@ def _times(rows: Sequence[Timed]) -> Table:
     sides = sorted({row.s for row in rows})
     fastest = sum(_faces_fastest([row for row in rows if row.s == s]) for s in sides)
     what = f"sizes, of {len(sides)}, at which Marching Faces takes the least time"
-    table.add(what, len(sides), fastest, note="the paper: Figure 5; medians over the seeds")
+    load = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors"
+    note = f"the paper: Figure 5; medians over the seeds; {load}"
+    table.add(what, None, fastest, expected=len(sides), note=note)
     return table
 
 
@@ -207,7 +213,7 @@ def appendix_a(rows: Sequence[Counted], side: int, k: float) -> Table:
     mean, half = by_seed(rows, lambda row: row.trisect * row.s**3 / (row.n1 * row.n2))
     note = f"independent surfaces, mean over the sizes; 95 % interval over seeds ± {half:.3f}"
     what = "tests / (c1 c2 s)"
-    table.add(what, 1.0, round(mean, 3), tolerance=round(half, 3), note=note)
+    table.add(what, None, round(mean, 3), expected=1.0, tolerance=round(half, 3), note=note)
     triangles = interval([row.n1 / row.s**3 for row in own])
     note = "eq. 7 calls it a probability; it is the mean number of triangles"
     table.add("N1 / s^3", None, shown(triangles), note=note)
@@ -226,7 +232,7 @@ def _extremes(side: int, k: float) -> Table:
     table.add("identical surfaces: tests / N", None, round(tests / n, 3), note=note)
     away = enhanced_marching_cubes(first, float(first.values.max()) + 1)
     tests = surface_intersection.surface_intersection(surface, away).tests
-    table.add("surfaces that never meet: tests", 0, tests)
+    table.add("surfaces that never meet: tests", 0, tests, note="appendix A, last sentence")
     return table
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from isograde.oracles.space_curves import phase_winding
 from isograde.reproduction import Table
-from isoref import marching_faces
 from isoref.curves import real_and_imaginary
+from isoref.fast import marching_faces
+from isoref.marching_faces import FacePoints
 from isoref.plane_waves import Complex
 from ljung_pictures import vortex_picture
 
@@ -40,15 +41,16 @@ def vortices(psi: Complex, spacing: tuple[float, ...], picture: Path) -> tuple[T
         length = round(sum(curve.length for curve in curves), 1)
         table.add(f"echo {echo + 1}: length", None, length, note="in the file's units (mm)")
         wrong = winding_mismatches(psi[..., echo], points)
-        note = "first column: what must be, for the phase turns once around each line"
-        table.add(f"echo {echo + 1}: faces whose winding differs", 0, wrong, note=note)
+        note = "the phase turns once around each line"
+        what = f"echo {echo + 1}: faces whose winding differs"
+        table.add(what, None, wrong, expected=0, note=note)
         lines.append(curves)
         inside.append(np.abs(psi[..., echo]))
     problem = vortex_picture(inside[-1], lines[-1], spacing, picture)
     return table, problem
 
 
-def winding_mismatches(psi: Complex, points: marching_faces.FacePoints) -> int:
+def winding_mismatches(psi: Complex, points: FacePoints) -> int:
     """On how many lattice faces the headings of the points do not add up to the phase's winding."""
     corner = np.stack(np.unravel_index(points.voxels, points.cells), axis=1)
     wrong = 0

@@ -20,9 +20,9 @@ from isoref.cube import (
     inside,
 )
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles
+from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Field, Floats, Integers
 from isoref.rule import Rule, Tile
-from isoref.sweep import sweep_with_cells
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from nielson_drawing import (

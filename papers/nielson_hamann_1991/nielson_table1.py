@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 from isoref.asymptotic_decider import decisions, saddle_point, variant
 from isoref.cube import CORNERS, ambiguous_faces
-from isoref.field import Field, Floats, Integers
-from isoref.sweep import inside_samples
+from isoref.field import Field, Floats, Integers, inside_samples
 from numpy.typing import NDArray
 
 PRINTED = json.loads((Path(__file__).parent / "table1.json").read_text(encoding="utf-8"))

@@ -21,9 +21,8 @@ from itertools import product
 
 import numpy as np
 from isoref.cube import CORNERS, ambiguous_faces, crossed_edges
-from isoref.field import Field, Floats, Integers
+from isoref.field import Field, Floats, Integers, inside_samples
 from isoref.marching_vesta import cycles, decisions
-from isoref.sweep import inside_samples
 
 Signatures = Mapping[tuple[int, int], int]
 Lengths = dict[int, int]

@@ -42,7 +42,8 @@ from isoref.methods import METHODS
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
-"paper". The truth is `isograde.oracles.trilinear`, its list of cases
+"paper", which are printed, and the zeros under "expected"; the other numbers under "expected" are
+totals of this run. The truth is `isograde.oracles.trilinear`, its list of cases
 `isograde.oracles.trilinear_cases`, the extractor `isoref.trilinear_cubes`. A guided
 reading is in `papers/trilinear/README.md`.
 """
@@ -88,7 +89,12 @@ def how_many_cases(share: int) -> list[Table | str]:
     named = [case_name(one) for one in classes(mirror=False)]
     listed = set(PRINTED["names"]["list"])
     table.add("names of cases in use", len(listed), len(set(named)))
-    table.add("names that are not ours, or ours that are no name", 0, len(listed ^ set(named)))
+    table.add(
+        "names that are not ours, or ours that are no name",
+        None,
+        len(listed ^ set(named)),
+        expected=0,
+    )
     twice = sorted(name for name, number in Counter(named).items() if number > 1)
     table.add("names of two classes", None, len(twice), note=", ".join(twice))
     faces = {(one.signs, one.faces) for one in every_topology()}
@@ -168,10 +174,10 @@ def checked_by_refinement(share: int) -> Table:
             mine = (truths.components[i], truths.euler[i], truths.curves[i])
             agreed += (found.components, found.euler, found.curves) == mine
         table.add(f"{title}: cells that refinement resolves", None, len(values) - unresolved)
-        table.add(f"{title}: agreeing", len(values) - unresolved, agreed)
+        table.add(f"{title}: agreeing", None, agreed, expected=len(values) - unresolved)
     agreed, resolved = _grids_by_refinement(300 // share)
     table.add("grids of 4^3 samples that refinement resolves", None, resolved)
-    table.add("grids agreeing", resolved, agreed)
+    table.add("grids agreeing", None, agreed, expected=resolved)
     return table
 
 
@@ -203,18 +209,21 @@ def reference_agrees(share: int) -> Table:
             ("targeted cells", posing.targeted()[1]),
         ):
             right = sum(fault is Fault.NONE for fault in posing.faults(adapter, values))
-            table.add(f"{title} right", len(values), right)
+            table.add(f"{title} right", None, right, expected=len(values))
             some = values[: 10_000 // share]
             crossing = agreement.crossing(adapter, some, posing.side_of(posing.REFERENCE))
-            table.add(f"pairs of triangles that cross in {len(some):,} {title}", 0, crossing)
+            what = f"pairs of triangles that cross in {len(some):,} {title}"
+            table.add(what, None, crossing, expected=0)
         grids = 2_000 // share
         total, wrong, crowds = agreement.grids_of_noise(adapter, grids, 8)
-        table.add(f"cells of {grids:,} grids of 8^3 noise right", total, total - wrong)
-        table.add("grids with an edge of more than two triangles", 0, crowds)
+        what = f"cells of {grids:,} grids of 8^3 noise right"
+        table.add(what, None, total - wrong, expected=total)
+        table.add("grids with an edge of more than two triangles", None, crowds, expected=0)
         crossing = agreement.crossing_in_grids(adapter, grids // 10, 8)
-        table.add(f"pairs of triangles that cross in {grids // 10:,} of the grids", 0, crossing)
+        what = f"pairs of triangles that cross in {grids // 10:,} of the grids"
+        table.add(what, None, crossing, expected=0)
         crowded = sum(posing.crowded(adapter, pair) for pair in posing.tunnel_pairs())
-        table.add("pairs of tunnels with such an edge", 0, crowded)
+        table.add("pairs of tunnels with such an edge", None, crowded, expected=0)
     finally:
         adapter.close()
     return table
@@ -254,7 +263,11 @@ def _add_volume(
         right += sum(f is Fault.NONE for f, g in zip(found, good, strict=True) if g)
         tunnels += int((truths.tunnels[good] > 0).sum())
     table.add(
-        f"{title}: right", total, right, note=f"{tunnels:,} with a tunnel; {ties:,} ties left out"
+        f"{title}: right",
+        None,
+        right,
+        expected=total,
+        note=f"{tunnels:,} with a tunnel; {ties:,} ties left out",
     )
 
 

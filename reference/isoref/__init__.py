@@ -1,7 +1,15 @@
 """Isosurface extraction, written to be read.
 
-Each module is an article about one idea. Start with `isoref.cube`, then read
-`isoref.asymptotic_decider`.
+Each module is an article about one idea; `isoref.fast` holds vectorised twins of those that need
+them, with the same names and the same answers, and `extract` uses these. Read in this order:
+
+1. Marching cubes: `lorensen_cline`, then what it stands on, `cycles`, `cube`, `rule`, `sweep`,
+   `field` and `mesh`.
+2. Its repair: `asymptotic_decider`, `trilinear_cubes`, and the catalogue, `methods`.
+3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`.
+4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`.
+5. Where two isosurfaces meet: `curves`, `marching_faces`, `surface_intersection`, `plane_waves`.
+6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`, `dyadic`, `projection`.
 """
 
 from isoref.field import Field, FieldError

@@ -4,7 +4,8 @@ A sample stands at the centre of a pixel, and a pixel is *active* when its value
 isovalue. The edges between active and inactive pixels already enclose the active ones without a
 gap. DICONEX orients these edges, connects each to the one that follows it, and only then moves
 their middles to where the field takes the isovalue. No table, and no 2 x 2 cell: the contour is
-the enclosure that was there from the start, pushed into place.
+the enclosure that was there from the start, pushed into place. `isoref.fast.diconex` is the
+vectorised twin: the same numbers.
 
 Glossary
 --------
@@ -35,10 +36,10 @@ border, end on the outermost samples' lines.
 
 References
 ----------
-1. B. R. Schlei, "Volume-Enclosing Surface Extraction", section II.A and Fig. 1 (contours),
-   section II.B and Fig. 2c (displacement), section III.B (the average at a POA).
-2. B. R. Schlei, "A New Computational Framework for 2D Shape-Enclosing Contours", Image and
-   Vision Computing 27 (2009).
+[1] B. R. Schlei, "Volume-Enclosing Surface Extraction", section II.A and Fig. 1 (contours),
+    section II.B and Fig. 2c (displacement), section III.B (the average at a POA).
+[2] B. R. Schlei, "A New Computational Framework for 2D Shape-Enclosing Contours", Image and
+    Vision Computing 27 (2009).
 """
 
 from __future__ import annotations
@@ -49,9 +50,18 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, check_isovalue
+from isoref.curves import follow
+from isoref.field import (
+    Booleans,
+    Field,
+    FieldError,
+    Floats,
+    Integers,
+    check_isovalue,
+    inside_samples,
+)
 from isoref.mesh import Mesh
-from isoref.sweep import crossing_parameter, inside_samples
+from isoref.sweep import crossing_parameter
 
 Mode = Literal["disconnect", "connect", "mixed"]
 Border = Literal["open", "closed"]
@@ -85,27 +95,10 @@ class Contours:
 
         Open contours come first, then closed ones, each kind in the order of its first point.
         """
-        follow = self.successor.tolist()
-        begun = np.ones(len(follow), np.bool_)
-        begun[self.successor[self.successor >= 0]] = False
-        seen: set[int] = set()
-        walks = []
-        for start in [*np.flatnonzero(begun).tolist(), *range(len(follow))]:
-            if start not in seen:
-                walk = _walk(follow, start)
-                seen.update(walk)
-                walks.append(self.points[walk])
-        return walks
-
-
-def _walk(follow: list[int], start: int) -> list[int]:
-    """The indices from `start` on, to the end of an open contour or back to `start`."""
-    walk = [start]
-    while (following := follow[walk[-1]]) >= 0:
-        walk.append(following)
-        if following == start:
-            break
-    return walk
+        return [
+            self.points[np.append(walk, walk[0]) if closed else walk]
+            for walk, closed in follow(self.successor)
+        ]
 
 
 def diconex(
@@ -121,6 +114,7 @@ def diconex(
     Parameters
     ----------
     values : (N1, N2) array or a `Field` of dimension 2
+    isovalue : in the unit of the samples
     mode : at a point of ambiguity, keep the active pixels apart, join them, or (``"mixed"``)
         join them where the average of the four pixels is active
     border : ``"open"`` ends contours at the outermost samples; ``"closed"`` takes everything
@@ -131,7 +125,7 @@ def diconex(
     Returns
     -------
     Contours
-        in the coordinates of the field.
+        in the coordinates of the field, one point a vector, in the order of pixels and directions.
 
     Raises
     ------
@@ -147,81 +141,83 @@ def diconex(
     ...  for m in ("disconnect", "connect")]
     [2, 1]
     """
-    field, alpha, active = framed(values, isovalue, 2, mode, border)
-    vectors = initial_contour_vectors(active)
-    successor = successors(vectors, active, poa_joined(field.values, alpha, mode))
-    outer = _reaches_outside(vectors, field.shape)
-    index = vectors[:, :2] - 1 + 0.5 * np.asarray(DIRECTIONS)[vectors[:, 2]]
-    if displaced:
-        inner = np.flatnonzero(~outer)
-        index[inner] = _displaced(field.values, alpha, vectors[inner])
-    contours = Contours(field.position(index), successor)
-    return contours if border == "closed" else _without(contours, outer)
-
-
-def framed(
-    values: ArrayLike | Field, isovalue: float, dimension: int, mode: str, border: str
-) -> tuple[Field, float, Booleans]:
-    """The field, the isovalue, and which samples are active, in a frame of inactive ones.
-
-    The frame, one sample wide, gives every pixel or voxel its neighbours. Raises as `diconex`.
-    """
-    field = as_field(values, dimension)
-    alpha = check_isovalue(isovalue)
+    # Find the initial contour vectors, Figs. 1b and 1c.
+    field, alpha = as_field(values, 2), check_isovalue(isovalue)
     check_choice("mode", mode, get_args(Mode))
     check_choice("border", border, get_args(Border))
-    return field, alpha, np.pad(inside_samples(field, alpha), 1)
+    inside = inside_samples(field, alpha)
+    grey = {(i, j): float(field.values[i, j]) - alpha for i, j in np.ndindex(field.shape)}
+    active = {v for v in grey if inside[v]}
+    vectors = sorted((v, r) for v in active for r in range(4) if neighbour(v, r) not in active)
+
+    # Connect each to the one that follows it, Fig. 1d.
+    following = {vector: successor(vector, active, grey, mode) for vector in vectors}
+
+    # Leave out the vectors between the image and its outside.
+    if border == "open":
+        vectors = [vector for vector in vectors if neighbour(*vector) in grey]
+
+    # Move their middles to the isovalue, and number the vectors.
+    places = [place(vector, grey, displaced) for vector in vectors]
+    number = {vector: n for n, vector in enumerate(vectors)}
+    return Contours(
+        field.position(np.array(places).reshape(-1, 2)),
+        np.array([number.get(following[vector], -1) for vector in vectors], np.int64),
+    )
 
 
-def initial_contour_vectors(active: Booleans) -> Integers:
-    """(N, 3) rows (i, j, r): active pixels and the directions of their inactive neighbours.
+def neighbour(v: Pixel, d: int) -> Pixel:
+    """The pixel one step from v in direction d.
 
-    `active` is framed by inactive pixels. Rows are sorted. See Figs. 1b and 1c.
+    >>> neighbour((4, 4), 3)
+    (4, 3)
     """
-    neighbour = np.stack([np.roll(active, (-i, -j), (0, 1)) for i, j in DIRECTIONS], axis=-1)
-    return np.argwhere(active[..., None] & ~neighbour)
+    i, j = DIRECTIONS[d]
+    return (v[0] + i, v[1] + j)
 
 
-def successors(vectors: Integers, active: Booleans, joined: Booleans) -> Integers:
-    """(N,) the row of the vector that follows each vector, as in Fig. 1d.
+def successor(vector: Vector, active: set[Pixel], grey: dict[Pixel, float], mode: Mode) -> Vector:
+    """The vector (v, r) that begins where this one ends; see the table in the module's text.
 
-    `joined` tells of each corner of the framed image, at [i, j] the one between pixels (i, j) and
-    (i + 1, j + 1), whether a point of ambiguity there connects.
+    `grey` has the values minus the isovalue.
     """
-    move = np.asarray(DIRECTIONS)
-    v, r = vectors[:, :2], vectors[:, 2]
+    # Look at the four pixels at the vector's head.
+    v, r = vector
     d = (r + 1) % 4
-    p, q = v + move[d], v + move[d] + move[r]
-    p_active, q_active = active[tuple(p.T)], active[tuple(q.T)]
-    # Turn right where both pixels ahead are active, and at a point of ambiguity that connects.
-    corner = np.minimum(v, q)
-    right = q_active & (p_active | joined[tuple(corner.T)])
-    straight = p_active & ~q_active
-    pixel = np.where(right[:, None], q, np.where(straight[:, None], p, v))
-    direction = np.where(right, (d + 2) % 4, np.where(straight, r, d))
-    return np.searchsorted(_keys(vectors, active), _keys(np.c_[pixel, direction], active))
+    w, p = neighbour(v, r), neighbour(v, d)
+    q = neighbour(p, r)
+
+    # Turn, or go straight on.
+    left, straight, right = (v, d), (p, r), (q, (d + 2) % 4)
+    if p in active:
+        return right if q in active else straight
+    if q not in active:
+        return left
+
+    # Decide the point of ambiguity.
+    joined = connects(mode, *(grey[pixel] for pixel in (v, q, w, p)))
+    return right if joined else left
 
 
-def _keys(vectors: Integers, active: Booleans) -> Integers:
-    """One number a row (i, j, r), in the order of the rows."""
-    keys: Integers = (vectors[:, 0] * active.shape[1] + vectors[:, 1]) * 4 + vectors[:, 2]
-    return keys
+def place(vector: Vector, grey: dict[Pixel, float], displaced: bool) -> Floats:
+    """(2,) the index of a vector's support point, where the field takes the isovalue (Fig. 2c).
 
-
-def poa_joined(values: Array, alpha: float, mode: Mode) -> Booleans:
-    """(N1 + 1, N2 + 1) booleans: whether a point of ambiguity at that corner connects.
-
-    In mixed mode it does where the average of the four pixels is active (section III.B). Corners
-    on the border of the image are never ambiguous and stay False.
+    A vector on the border of the image has no value on its outer side, and keeps its middle.
     """
-    joined = np.zeros((values.shape[0] + 1, values.shape[1] + 1), np.bool_)
-    inside = joined[1:-1, 1:-1]
+    v, r = vector
+    w = neighbour(v, r)
+    lower, upper = min(v, w), max(v, w)
+    if not displaced or w not in grey:
+        return np.asarray(np.add(v, w) / 2)
+    t = crossing_parameter(np.array([grey[lower]]), np.array([grey[upper]]))
+    return np.asarray(np.array(lower) + t * np.subtract(upper, lower))
+
+
+def connects(mode: Mode, v: float, q: float, w: float, p: float) -> bool:
+    """Whether a point of ambiguity connects, the values round it as in `average_is_active`."""
     if mode == "mixed":
-        grey = values.astype(np.float64) - alpha
-        inside[:] = average_is_active(grey[:-1, :-1], grey[1:, 1:], grey[1:, :-1], grey[:-1, 1:])
-    else:
-        inside[:] = mode == "connect"
-    return joined
+        return bool(average_is_active(*np.array([v, q, w, p])))
+    return mode == "connect"
 
 
 def average_is_active(v: Floats, q: Floats, w: Floats, p: Floats) -> Booleans:
@@ -236,37 +232,8 @@ def average_is_active(v: Floats, q: Floats, w: Floats, p: Floats) -> Booleans:
     return np.greater_equal((v + q) + (w + p), 0)
 
 
-def _displaced(values: Array, alpha: float, vectors: Integers) -> Floats:
-    """(N, 2) indices of the points at the isovalue, between each pixel and its neighbour."""
-    v, step = vectors[:, :2] - 1, np.asarray(DIRECTIONS)[vectors[:, 2]]
-    return between(values, alpha, np.minimum(v, v + step), np.abs(step))
-
-
-def between(values: Array, alpha: float, lower: Integers, step: Integers) -> Floats:
-    """(N, n) where linear interpolation meets `alpha` between samples `lower` and lower + step.
-
-    >>> between(np.array([133, 0]), 100, np.array([[0]]), np.array([[1]])).round(4)  # Fig. 2c
-    array([[0.2481]])
-    """
-    ends = [values[tuple(i.T)].astype(np.float64) - alpha for i in (lower, lower + step)]
-    return np.asarray(lower + crossing_parameter(*ends)[:, None] * step)
-
-
-def _reaches_outside(vectors: Integers, shape: tuple[int, ...]) -> Booleans:
-    """Whether a vector's inactive pixel lies outside the image."""
-    w = vectors[:, :2] - 1 + np.asarray(DIRECTIONS)[vectors[:, 2]]
-    outside: Booleans = ((w < 0) | (w >= shape)).any(axis=1)
-    return outside
-
-
-def _without(contours: Contours, outer: Booleans) -> Contours:
-    """The contours cut open at the vectors marked `outer`."""
-    number = np.where(outer, -1, np.cumsum(~outer) - 1)
-    return Contours(contours.points[~outer], number[contours.successor[~outer]])
-
-
 def as_field(values: ArrayLike | Field, dimension: int) -> Field:
-    """`values` as a scalar field of that dimension, or a `FieldError` that says what it is."""
+    """`values` as a scalar field of that dimension, or a FieldError that says what they are."""
     field = values if isinstance(values, Field) else Field.of(values, dimension=dimension)
     if field.dimension != dimension or field.values.ndim != dimension:
         raise FieldError(
@@ -277,62 +244,6 @@ def as_field(values: ArrayLike | Field, dimension: int) -> Field:
 
 
 def check_choice(name: str, given: str, allowed: tuple[str, ...]) -> None:
-    """Nothing, where `given` is allowed; a `ValueError` that lists the choices otherwise."""
+    """Raise ValueError, with the choices, unless `given` is one of those allowed."""
     if given not in allowed:
         raise ValueError(f"{name} {given!r} is not one of {', '.join(allowed)}")
-
-
-# The same contours, one vector at a time: for reading, and to hold the arrays above to it.
-
-
-def diconex_plainly(
-    values: ArrayLike | Field, isovalue: float, mode: Mode = "mixed"
-) -> list[list[Vector]]:
-    """The closed contours as lists of vectors (pixel, r), each begun at its smallest vector.
-
-    >>> len(diconex_plainly([[0, 0], [0, 1]], 0.5)[0])
-    4
-    """
-    field = as_field(values, 2)
-    grey = {(int(i), int(j)): float(x) for (i, j), x in np.ndenumerate(field.values)}
-    active = {pixel for pixel, x in grey.items() if x >= isovalue}
-    waiting = {(v, r) for v in active for r in range(4) if _neighbour(v, r) not in active}
-    contours = []
-    for vector in sorted(waiting):
-        contour = []
-        while vector in waiting:
-            waiting.remove(vector)
-            contour.append(vector)
-            vector = _successor(vector, active, grey, isovalue, mode)
-        if contour:
-            contours.append(contour)
-    return contours
-
-
-def _neighbour(pixel: Pixel, direction: int) -> Pixel:
-    """The pixel one step away."""
-    i, j = DIRECTIONS[direction]
-    return (pixel[0] + i, pixel[1] + j)
-
-
-def _successor(
-    vector: Vector, active: set[Pixel], grey: dict[Pixel, float], isovalue: float, mode: Mode
-) -> Vector:
-    """The vector that begins where this one ends."""
-    v, r = vector
-    d = (r + 1) % 4
-    w, p = _neighbour(v, r), _neighbour(v, d)
-    q = _neighbour(p, r)
-    left, straight, right = (v, d), (p, r), (q, (d + 2) % 4)
-    if p in active:
-        return right if q in active else straight
-    if q not in active:
-        return left
-    # Decide a point of ambiguity.
-    joined = connects(mode, *(grey[pixel] - isovalue for pixel in (v, q, w, p)))
-    return right if joined else left
-
-
-def connects(mode: Mode, v: float, q: float, w: float, p: float) -> bool:
-    """Whether a point of ambiguity connects, the values round it as in `average_is_active`."""
-    return (v + q) + (w + p) >= 0 if mode == "mixed" else mode == "connect"

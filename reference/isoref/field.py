@@ -122,7 +122,7 @@ class Field:
 
 
 def _check_samples(samples: Array, n: int) -> None:
-    """Nothing, where `samples` are real, finite and fill an n-dimensional lattice; else raises."""
+    """Raise FieldError unless `samples` are real, finite and fill an n-dimensional lattice."""
     if samples.dtype.kind not in "biuf":
         raise FieldError(f"samples of type {samples.dtype} are not real numbers")
     if n < 1 or samples.ndim not in (n, n + 1):
@@ -152,3 +152,29 @@ def check_isovalue(isovalue: float) -> float:
     if not np.isfinite(number):
         raise FieldError(f"isovalue {number} is not finite")
     return number
+
+
+def least_inside(dtype: np.dtype[Any], isovalue: float) -> Any:
+    """The least number of type `dtype` that is not below the isovalue.
+
+    A comparison would round the isovalue to the samples' type; this rounds it up, so that the
+    comparison stays exact, and cheap.
+
+    >>> least_inside(np.dtype(np.uint8), 3.2)
+    4
+    >>> float(least_inside(np.dtype(np.float32), 0.3)) >= 0.3
+    True
+    """
+    if dtype.kind in "biu":
+        return int(np.ceil(isovalue))
+    with np.errstate(over="ignore"):
+        rounded = dtype.type(isovalue)
+    if rounded < isovalue:
+        rounded = np.nextafter(rounded, dtype.type(np.inf))
+    return rounded
+
+
+def inside_samples(field: Field, isovalue: float) -> Booleans:
+    """Which samples are inside, of the shape of the samples: value >= isovalue, exactly."""
+    mask: Booleans = field.values >= least_inside(field.values.dtype, isovalue)
+    return mask

@@ -32,10 +32,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from isoref.diconex import diconex
+from isoref.fast.diconex import diconex
+from isoref.fast.vesta import Surface, extract
 from isoref.field import Booleans, Field, Floats
 from isoref.mesh import Mesh
-from isoref.vesta import Surface, extract
 
 
 @dataclass(frozen=True, eq=False)

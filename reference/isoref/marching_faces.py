@@ -1,26 +1,31 @@
-"""Marching faces: where two isosurfaces meet, found on the faces of the voxels.
+r"""Marching faces: where two isosurfaces meet, found on the faces of the voxels.
 
 The curve in which two isosurfaces intersect enters and leaves a voxel through its faces. On a face
 each isosurface is at most two straight lines; where a line of one crosses a line of the other, the
 curve passes. No triangle is ever made.
 
-          v2 --- edge 2 --- v3
-          |      .          |        a   isoline of field 1, inside on its left
-     edge 3    a  .    b    edge 1   b   isoline of field 2
-          |  . . . . . .    |        +   they cross: a point of the curve
-          |        +        |
-          v0 --- edge 0 --- v1       u runs along edge 0, v along edge 3
+          o --------x------ o
+          |        .        |        a   isoline of field 1, inside on its right
+          |  b    .         |        b   isoline of field 2
+          x . . .+. . . . . x        +   they cross: a point of the curve
+          |     .  a        |        x   crossed edges, o corners
+          o ---x----------- o
+
+Two parts. MARCHINGFACES walks through the voxels and collects the points. Joining goes from voxel
+to voxel: what enters leaves. `isoref.fast.marching_faces` is the vectorised twin: the same points
+in the same order, and the same curves.
 
 Glossary
 --------
 k, I_P      a voxel, in C order over the cells; running count of points up to and including it
-b           voxel configuration: bit c is set where corner c of the voxel is inside
-f           six bits, one a face: face ``2 * axis + side``
-c           face configuration: bit i is set where vertex i of the face is inside
-u, v        the face's own axes, so that (u, v, normal axis) is right-handed;
-            vertex i of a face stands at (u, v) = (i & 1, i >> 1)
-l           isolines of a face, each from one of its edges to another, inside on the left
-separated   on an ambiguous face: each line cuts off one *inside* vertex, not an outside one
+b           voxel configuration: the signs of `isoref.cube`, bit c is set where corner c is inside
+f           a face, ``2 * axis + side``; also six bits, one a face
+l           isolines of a face: its segments (e, e') of `isoref.cycles`, oriented, inside on the
+            right for who looks at the face from outside the voxel
+walk        corners and edges of a face, counterclockwise seen from outside (`FACE_CORNERS`,
+            `FACE_EDGES`); an end of a line has its place on this walk
+separated   on an ambiguous face: each line cuts off one *inside* corner, not an outside one
+loop        the isolines of one surface around a voxel form loops: its cycles in `isoref.cycles`
 heading     +1 where the curve runs along the positive axis through the face, else -1
 
 Invariants
@@ -43,101 +48,34 @@ References
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from itertools import product
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from isoref import asymptotic_decider
-from isoref.cube import CORNER_OFFSETS, EDGE_OF, corner_at
+from isoref.cube import (
+    CORNERS,
+    EDGE_OF,
+    EDGES,
+    FACE_CORNERS,
+    FACE_EDGES,
+    axis_of,
+    inside,
+    is_ambiguous,
+)
 from isoref.curves import Curve, check_pair, curves_through, follow, real_and_imaginary
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
-from isoref.sweep import least_inside
+from isoref.cycles import Polygon, cycles, segments
+from isoref.field import Field, FieldError, Floats, Integers, least_inside
 
 FaceRule = Literal["gradient", "asymptotic", "separated", "joined"]
-
-# Voxels classified at once; their configurations then stay in the cache.
-SLAB = 1 << 20
-
-# The six face bits, each twice: face f of a voxel is (axis, side) = (f >> 1, f & 1).
-AXES = np.arange(6) >> 1
-SIDES = np.arange(6) & 1
-# Vertices of a face's edges, in the direction of growing coordinate, and whether the walk
-# v0 v1 v3 v2 around the face runs along that direction.
-EDGES = ((0, 1), (1, 3), (2, 3), (0, 2))
-FORWARD = (True, True, False, False)
-
-
-def face_corners() -> Integers:
-    """(6, 4) the corner of the cube that is vertex i of face f.
-
-    Both faces across an axis look along it, unlike the walks of `isoref.cube.FACE_CORNERS`, which
-    look from outside: a face is seen alike by the two voxels that share it.
-
-    >>> face_corners()[4:].tolist()
-    [[0, 1, 2, 3], [4, 5, 6, 7]]
-    """
-    corners = [
-        [corner_at(*np.roll((side, i & 1, i >> 1), axis)) for i in range(4)]
-        for axis, side in zip(AXES, SIDES, strict=True)
-    ]
-    return np.array(corners)
-
-
-FACE_CORNERS = face_corners()
-# (6, 4, 3) offsets in the voxel of vertex i of face f.
-FACE_VERTICES: Integers = CORNER_OFFSETS[FACE_CORNERS]
-
-
-def face_table() -> NDArray[np.uint8]:
-    """FaceTable: for each configuration b, the faces that have vertices on both sides.
-
-    Derived from the definition. It serves equation 2 with either sense of the inequality, since
-    a face has both kinds of vertices whichever kind is called inside.
-
-    >>> table = face_table()
-    >>> table[0], table[255], format(table[1], "06b"), bool((table == table[::-1]).all())
-    (np.uint8(0), np.uint8(0), '010101', True)
-    """
-    inside = np.arange(256)[:, None, None] >> FACE_CORNERS & 1
-    mixed = inside.any(axis=2) & ~inside.all(axis=2)
-    bits: NDArray[np.uint8] = (mixed << np.arange(6)).sum(axis=1).astype(np.uint8)
-    return bits
-
-
-FACE_TABLE = face_table()
-
-
-def isolines(c: int, separated: bool) -> list[tuple[int, int]]:
-    """The lines of a face of configuration c: pairs of edges, inside on the left (Fig. 3).
-
-    Walk around the face. A line starts on an edge where the walk leaves the inside. Where inside
-    vertices are separated, it ends where the walk last entered, else where it enters next.
-
-    >>> isolines(0b0001, False), isolines(0b1001, True), isolines(0b1001, False)
-    ([(0, 3)], [(0, 3), (2, 1)], [(0, 1), (2, 3)])
-    """
-    walk = [c >> i & 1 for i in (0, 1, 3, 2)]
-    leaving = [e for e in range(4) if walk[e] and not walk[(e + 1) % 4]]
-    entering = [e for e in range(4) if not walk[e] and walk[(e + 1) % 4]]
-    step = -1 if separated else 1
-    return [(e, min(entering, key=lambda other: (other - e) * step % 4)) for e in leaving]
-
-
-def setup_lines() -> Integers:
-    """SETUPLINES as a table (2, 16, 2, 2): separated, c, line, (start, end); -1 for no line."""
-    table = np.full((2, 16, 2, 2), -1)
-    for separated in (False, True):
-        for c in range(16):
-            for line, ends in enumerate(isolines(c, separated)):
-                table[int(separated), c, line] = ends
-    return table
-
-
-LINES = setup_lines()
-AMBIGUOUS = LINES[0, :, 1, 0] >= 0
+Voxel = tuple[int, ...]
+Line = tuple[int, int]
+Place = tuple[int, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +91,7 @@ class FacePoints:
     voxels : (P,) the voxel that owns the face, in C order over the cells
     faces : (P,) the face of that voxel, ``2 * axis + side``
     headings : (P,) +1 where the curve runs along the positive axis through the face, else -1
-    edges : (P, 2) the edges of the face where the two lines through the point start
+    edges : (P, 2) the edges of that voxel on which the two lines through the point start
     cells : the number of voxels along each axis
     """
 
@@ -176,7 +114,56 @@ class FacePoints:
         return np.cumsum(np.bincount(self.voxels, minlength=n)).astype(np.int64)
 
 
-COLUMNS = ("positions", "tangents", "confidence", "voxels", "faces", "headings", "edges")
+@dataclass(frozen=True, eq=False)
+class Isosurface:
+    """One of the two surfaces: a scalar field, its isovalue, and the rule of ambiguous faces."""
+
+    field: Field
+    isovalue: float
+    rule: FaceRule
+
+
+class FaceLines(NamedTuple):
+    """The isolines of one surface on a face of a voxel.
+
+    d : (8) samples at the voxel's corners minus the isovalue
+    b : the voxel's configuration
+    lines : pairs of edges, inside on the right
+    """
+
+    d: list[float]
+    b: int
+    lines: list[Line]
+
+
+class Crossing(NamedTuple):
+    """Where two isolines cross on a face of a voxel.
+
+    place : (3,) in coordinates of the voxel, 0 to 1
+    leaves : whether the curve leaves the voxel here; else it enters
+    edges : of the voxel, on which the two lines start
+    """
+
+    place: Floats
+    leaves: bool
+    edges: tuple[int, int]
+
+
+class FacePoint(NamedTuple):
+    """One row of `FacePoints`."""
+
+    position: Floats
+    tangent: Floats
+    confidence: float
+    voxel: int
+    face: int
+    heading: int
+    edges: tuple[int, int]
+
+
+# --------------------------------------------------------------------------------------------
+# Table 4: the points
+# --------------------------------------------------------------------------------------------
 
 
 def marching_faces(
@@ -205,13 +192,260 @@ def marching_faces(
     A lattice with fewer than two samples along an axis has no voxels, hence no points. Positions
     carry the error of linear interpolation, of second order in the spacing.
     """
-    pair = Pair(first, second, isovalues, rule)
-    found = [pair.intersect(*candidates) for candidates in pair.candidates()]
-    columns: dict[str, Any] = {
-        name: np.concatenate([part[number] for part in found])
-        for number, name in enumerate(COLUMNS)
-    }
-    return FacePoints(cells=pair.cells, **columns)
+    one, two = isosurfaces(first, second, isovalues, rule)
+    cells = number_of_cells(first)
+    rows = []
+    for k, voxel in enumerate(np.ndindex(cells)):
+        # Choose the faces that both surfaces intersect, each face of the lattice once.
+        b1, b2 = voxel_config(one, voxel), voxel_config(two, voxel)
+        chosen = FACE_TABLE[b1] & FACE_TABLE[b2] & face_check(voxel, cells)
+        for f in (f for f in range(6) if chosen >> f & 1):
+            # Set up the isolines of both surfaces, and intersect them.
+            l1, l2 = setup_lines(one, voxel, f), setup_lines(two, voxel, f)
+            for crossing in intersect_lines(f, l1, l2):
+                # Note the point, its tangent, and which way the curve goes.
+                tangent, confidence = tangent_at(first, second, voxel, f, crossing.place)
+                position = first.position(voxel + crossing.place)
+                heading = 1 if crossing.leaves == (f % 2 == 1) else -1
+                rows.append(FacePoint(position, tangent, confidence, k, f, heading, crossing.edges))
+    return gathered(rows, cells)
+
+
+def isosurfaces(
+    first: Field, second: Field, isovalues: tuple[float, float], rule: FaceRule
+) -> tuple[Isosurface, Isosurface]:
+    """Both surfaces; raise FieldError unless they stand on one lattice and the rule is known."""
+    check_pair(first, second, isovalues)
+    if rule not in get_args(FaceRule):
+        raise FieldError(f"no face rule {rule!r}; choose of {get_args(FaceRule)}")
+    return Isosurface(first, isovalues[0], rule), Isosurface(second, isovalues[1], rule)
+
+
+def number_of_cells(field: Field) -> tuple[int, int, int]:
+    """The number of voxels along each axis.
+
+    >>> number_of_cells(Field.of(np.zeros((4, 3, 1))))
+    (3, 2, 0)
+    """
+    n1, n2, n3 = (n - 1 for n in field.shape)
+    return n1, n2, n3
+
+
+def face_table() -> tuple[int, ...]:
+    """FaceTable: for each configuration b, six bits, one a face that has corners on both sides.
+
+    Derived from the definition. It serves equation 2 with either sense of the inequality, since
+    a face has both kinds of corners whichever kind is called inside.
+
+    >>> table = face_table()
+    >>> table[0], table[255], format(table[1], "06b"), table == table[::-1]
+    (0, 0, '010101', True)
+    """
+    return tuple(
+        sum(1 << f for f in range(6) if 0 < sum(inside(b, c) for c in FACE_CORNERS[f]) < 4)
+        for b in range(256)
+    )
+
+
+FACE_TABLE = face_table()
+
+
+def corner_values(surface: Isosurface, voxel: Voxel) -> list[float]:
+    """The eight samples at the corners of a voxel, minus the isovalue."""
+    samples = [surface.field.values[corner_index(voxel, c)] for c in range(8)]
+    return [float(x) - surface.isovalue for x in samples]
+
+
+def corner_index(voxel: Voxel, c: int) -> Voxel:
+    """The lattice index of corner c of a voxel.
+
+    >>> corner_index((4, 0, 1), 0b101)
+    (5, 0, 2)
+    """
+    return tuple(i + offset for i, offset in zip(voxel, CORNERS[c], strict=True))
+
+
+def voxel_config(surface: Isosurface, voxel: Voxel) -> int:
+    """VOXELCONFIG (eq. 2) of one voxel: bit c is set where corner c is inside."""
+    values = surface.field.values
+    level = least_inside(values.dtype, surface.isovalue)
+    return sum(1 << c for c in range(8) if values[corner_index(voxel, c)] >= level)
+
+
+def face_check(voxel: Voxel, cells: tuple[int, ...]) -> int:
+    """FACECHECK: six bits, one a face that the voxel owns, so that no face is visited twice.
+
+    Faces 0, 2 and 4 always; 1, 3 and 5 only of the last voxel along their axis.
+
+    >>> format(face_check((0, 4, 1), (5, 5, 5)), "06b")
+    '011101'
+    """
+    return sum(1 << f for f in range(6) if f % 2 == 0 or voxel[f // 2] == cells[f // 2] - 1)
+
+
+def setup_lines(surface: Isosurface, voxel: Voxel, f: int) -> FaceLines:
+    """SETUPLINES: the isolines of a surface on face f of a voxel."""
+    b = voxel_config(surface, voxel)
+    lines = segments(b, f, is_separated(surface, voxel, f))
+    return FaceLines(corner_values(surface, voxel), b, lines)
+
+
+def is_separated(surface: Isosurface, voxel: Voxel, f: int) -> bool:
+    """Whether the inside corners of face f are separated; False where that is no question."""
+    if not is_ambiguous(voxel_config(surface, voxel), f):
+        return False
+    if surface.rule in ("separated", "joined"):
+        return surface.rule == "separated"
+    g = corner_values(surface, voxel)
+    walk = FACE_CORNERS[f]
+
+    # Compare the gradient in the middle of the face with the diagonal of the inside corners.
+    if surface.rule == "gradient":
+        # Sum in the order of the corners, which is the same from both sides of the face.
+        corners = [gradient(surface.field, corner_index(voxel, c)) for c in sorted(walk)]
+        middle = sum(corners, np.zeros(3)) / 4
+        slope = middle[(f // 2 + 1) % 3] * middle[(f // 2 + 2) % 3]
+        if slope != 0:
+            return bool((slope > 0) == (g[walk[0]] >= 0))
+
+    # Ask the bilinear saddle.
+    return bool(asymptotic_decider.separated(*np.array([[g[c]] for c in walk]))[0])
+
+
+def gradient(field: Field, index: Voxel) -> Floats:
+    """(3,) the gradient at a sample: central differences, one-sided at the border (eq. 4)."""
+    result = np.zeros(3)
+    for axis in range(3):
+        above, below = list(index), list(index)
+        above[axis] = min(index[axis] + 1, field.shape[axis] - 1)
+        below[axis] = max(index[axis] - 1, 0)
+        rise = float(field.values[tuple(above)]) - float(field.values[tuple(below)])
+        result[axis] = rise / ((above[axis] - below[axis]) * field.spacing[axis])
+    return result
+
+
+def intersect_lines(f: int, one: FaceLines, two: FaceLines) -> list[Crossing]:
+    """INTERSECTLINES: where the isolines of two surfaces cross on face f of a voxel.
+
+    All ends of lines are sorted as the walk around the face meets them. A line crosses another
+    where exactly one end of the other lies between its own start and its own end. The walk from
+    its start to its end passes on its right, the inside: where the other line starts there, it
+    crosses to the left, and the curve leaves the voxel.
+    """
+    # Number the ends in the order of the walk.
+    ends = [(number, e) for number in (0, 1) for line in (one, two)[number].lines for e in line]
+    ends.sort(key=lambda end: place_on_walk(f, end[1], (one, two)[end[0]], end[0]))
+    rank = {end: n for n, end in enumerate(ends)}
+
+    # Compare each line of one with each of the other.
+    found = []
+    for a, b in product(one.lines, two.lines):
+        start, stop = rank[0, a[0]], rank[0, a[1]]
+        length = (stop - start) % len(ends)
+        starts_right, ends_right = ((rank[1, e] - start) % len(ends) < length for e in b)
+        if starts_right != ends_right:
+            place = crossing_point(f, line_ends(a, one.d), line_ends(b, two.d))
+            found.append(Crossing(place, starts_right, (a[0], b[0])))
+    return found
+
+
+def place_on_walk(f: int, e: int, own: FaceLines, number: int) -> Place:
+    """The key that sorts ends of lines along the walk around face f.
+
+    The edge; on it the position; where both surfaces cross at one position, the shift of the
+    crossing when the isovalue falls; and if that is the same, the number of the surface, 0 or 1.
+    """
+    i = FACE_EDGES[f].index(e)
+    low, high = EDGES[e]
+    rise = own.d[high] - own.d[low]
+    # Samples that a float cannot tell apart rise where the upper one is inside.
+    endless = np.inf if inside(own.b, low) else -np.inf
+    shift = -1 / rise if rise else endless
+    first = 0.0 if number else float(np.sign(shift))
+    t = parameter(e, own.d)
+    upward = FACE_CORNERS[f][i] == low
+    return (i, t, shift, first) if upward else (i, -t, -shift, -first)
+
+
+def parameter(e: int, d: list[float]) -> float:
+    """Where edge e is crossed, from 0 at its lower end to 1, for values d (8) at the corners."""
+    low, high = (d[c] for c in EDGES[e])
+    return low / (low - high) if low != high else 0.0
+
+
+def line_ends(line: Line, d: list[float]) -> Floats:
+    """(2, 3) the ends of an isoline in coordinates of the voxel."""
+    ends = np.array([CORNERS[EDGES[e][0]] for e in line], np.float64)
+    for end, e in zip(ends, line, strict=True):
+        end[axis_of(e)] = parameter(e, d)
+    return ends
+
+
+def crossing_point(f: int, a: Floats, b: Floats) -> Floats:
+    """(3,) where segments a and b (2, 3) of face f, known to cross, do so.
+
+    Each segment is met within its ends, in its middle where rounding leaves them parallel; the
+    mean of the two places is the same whichever surface is called the first.
+    """
+    return np.asarray((_meet(f, a, b) + _meet(f, b, a)) / 2)
+
+
+def _meet(f: int, a: Floats, b: Floats) -> Floats:
+    """The point of segment a on the line of segment b."""
+    u, v = (axis for axis in range(3) if axis != f // 2)
+    da, db, gap = a[1] - a[0], b[1] - b[0], b[0] - a[0]
+    det = da[u] * db[v] - da[v] * db[u]
+    s = (gap[u] * db[v] - gap[v] * db[u]) / det if det else 0.5
+    return np.asarray(a[0] + min(max(s, 0.0), 1.0) * da)
+
+
+def tangent_at(
+    first: Field, second: Field, voxel: Voxel, f: int, place: Floats
+) -> tuple[Floats, float]:
+    """The unit tangent (3,) at a place on face f of a voxel, and the confidence in it.
+
+    Along the cross product of the unit gradients, which are bilinear on the face; its length is
+    the confidence, and the tangent is 0 where it is 0.
+    """
+    normals = []
+    for field in (first, second):
+        total = np.zeros(3)
+        for c in sorted(FACE_CORNERS[f]):
+            total += corner_weight(f, c, place) * gradient(field, corner_index(voxel, c))
+        normals.append(unit(total))
+    cross = np.cross(normals[0], normals[1])
+    return unit(cross), min(float(np.linalg.norm(cross)), 1.0)
+
+
+def corner_weight(f: int, c: int, place: Floats) -> float:
+    """The weight of corner c in the bilinear interpolant of face f."""
+    u, v = (place[a] if CORNERS[c][a] else 1 - place[a] for a in range(3) if a != f // 2)
+    return float(u * v)
+
+
+def unit(vector: Floats) -> Floats:
+    """The vector (3,) at length 1; one of length 0 stays as it is."""
+    length = np.linalg.norm(vector)
+    return np.asarray(vector / length if length > 0 else vector)
+
+
+def gathered(rows: list[FacePoint], cells: tuple[int, int, int]) -> FacePoints:
+    """The rows as arrays, one a column."""
+    return FacePoints(
+        positions=np.array([row.position for row in rows], np.float64).reshape(-1, 3),
+        tangents=np.array([row.tangent for row in rows], np.float64).reshape(-1, 3),
+        confidence=np.array([row.confidence for row in rows], np.float64),
+        voxels=np.array([row.voxel for row in rows], np.int64),
+        faces=np.array([row.face for row in rows], np.int64),
+        headings=np.array([row.heading for row in rows], np.int64),
+        edges=np.array([row.edges for row in rows], np.int64).reshape(-1, 2),
+        cells=cells,
+    )
+
+
+# --------------------------------------------------------------------------------------------
+# Joining the points to curves
+# --------------------------------------------------------------------------------------------
 
 
 def intersection_curves(
@@ -230,13 +464,23 @@ def intersection_curves(
     points = marching_faces(first, second, isovalues, rule)
     return [
         curve
-        for chain, closed in join(points, Pair(first, second, isovalues, rule))
+        for chain, closed in join(points, *isosurfaces(first, second, isovalues, rule))
         for curve in curves_through(points.positions[chain], closed)
     ]
 
 
 def nodal_lines(psi: ArrayLike, spacing: ArrayLike | None = None) -> list[Curve]:
     """The curves on which a complex field is ``0 + 0i``, each with the phase turning around it.
+
+    Parameters
+    ----------
+    psi : (N1, N2, N3) complex samples
+    spacing : one number, or one an axis; 1 by default
+
+    Raises
+    ------
+    FieldError
+        for samples that are no volume, or not finite.
 
     >>> x, y, z = np.meshgrid(*[np.linspace(-1, 1, 6)] * 3, indexing="ij")
     >>> nodal_lines(x + 1j * y)[0].points[[0, -1]].round(12).tolist()
@@ -245,471 +489,57 @@ def nodal_lines(psi: ArrayLike, spacing: ArrayLike | None = None) -> list[Curve]
     return intersection_curves(*real_and_imaginary(psi, spacing))
 
 
-# --- table 4, to be read --------------------------------------------------------------------------
-
-
-def plain_marching_faces(
-    first: Field,
-    second: Field,
-    isovalues: tuple[float, float] = (0.0, 0.0),
-    rule: FaceRule = "gradient",
-) -> FacePoints:
-    """The same points as `marching_faces`, by the triple loop of table 4; to be read."""
-    pair = Pair(first, second, isovalues, rule)
-    rows = []
-    for k, index in enumerate(np.ndindex(pair.cells)):
-        b1, b2 = (voxel_config(field, isovalue, index) for field, isovalue in pair.sides)
-        f = FACE_TABLE[b1] & FACE_TABLE[b2] & face_check(index, pair.cells)
-        for j in (j for j in range(6) if f >> j & 1):
-            vertices = np.array(index) + FACE_VERTICES[j]
-            d1, l1 = _plain_lines(pair, 0, vertices, j)
-            d2, l2 = _plain_lines(pair, 1, vertices, j)
-            for uv, heading, edges in plain_intersect_lines(d1, l1, d2, l2):
-                rows.append((vertices, uv, k, j, heading, edges))
-    return _plain_points(pair, rows)
-
-
-def voxel_config(field: Field, isovalue: float, index: tuple[int, ...]) -> int:
-    """VOXELCONFIG (eq. 2) of one voxel: bit c is set where corner c is inside."""
-    i, j, k = index
-    cell = field.values[i : i + 2, j : j + 2, k : k + 2].astype(np.float64)
-    return sum(1 << c for c in range(8) if cell[c & 1, c >> 1 & 1, c >> 2 & 1] >= isovalue)
-
-
-def face_check(index: tuple[int, ...], cells: tuple[int, ...]) -> int:
-    """FACECHECK: the faces that a voxel owns, so that no face is visited twice.
-
-    Faces 0, 2 and 4 always; 1, 3 and 5 only of the last voxel along their axis.
-
-    >>> format(face_check((0, 4, 1), (5, 5, 5)), "06b")
-    '011101'
-    """
-    return sum(1 << f for f in range(6) if f % 2 == 0 or index[f // 2] == cells[f // 2] - 1)
-
-
-def _plain_lines(
-    pair: Pair, side: int, vertices: Integers, face: int
-) -> tuple[list[float], list[tuple[int, int]]]:
-    """FACECONFIG and SETUPLINES: values less the isovalue at the vertices, and the isolines."""
-    field, isovalue = pair.sides[side]
-    d = [float(field.values[tuple(vertex)]) - isovalue for vertex in vertices.tolist()]
-    c = sum(1 << i for i in range(4) if d[i] >= 0)
-    separated = False
-    if c in (0b0110, 0b1001):
-        separated = _plain_separated(pair, field, d, c == 0b1001, vertices, face // 2)
-    return d, isolines(c, separated)
-
-
-def _plain_separated(
-    pair: Pair, field: Field, d: list[float], main: bool, vertices: Integers, axis: int
-) -> bool:
-    """Whether the inside vertices of an ambiguous face are separated, 0 and 3 where `main`."""
-    if pair.rule in ("separated", "joined"):
-        return pair.rule == "separated"
-    if pair.rule == "gradient":
-        whole = np.asarray(np.gradient(field.values.astype(np.float64), *field.spacing))
-        g = whole[:, *vertices.T].mean(axis=1)
-        slope = g[(axis + 1) % 3] * g[(axis + 2) % 3]
-        if slope != 0:
-            return bool((slope > 0) == main)
-    return d[0] * d[3] < d[1] * d[2] if main else d[1] * d[2] < d[0] * d[3]
-
-
-def plain_intersect_lines(
-    d1: list[float], l1: list[tuple[int, int]], d2: list[float], l2: list[tuple[int, int]]
-) -> list[tuple[tuple[float, float], int, tuple[int, int]]]:
-    """INTERSECTLINES on one face: ((u, v), heading, starting edges) of each crossing.
-
-    All ends of lines are sorted as the walk around the face meets them. A line crosses another
-    where exactly one end of the other lies between its own start and its own end.
-    """
-    keys = {
-        (number, e): (e, *_order_on_edge(d, e, number))
-        for number, d in enumerate((d1, d2))
-        for e in range(4)
-        if (d[EDGES[e][0]] >= 0) != (d[EDGES[e][1]] >= 0)
-    }
-    rank = {end: place for place, end in enumerate(sorted(keys, key=lambda end: keys[end]))}
-    n = len(rank)
-    found = []
-    for a in l1:
-        for b in l2:
-            start, stop = rank[0, a[0]], rank[0, a[1]]
-            between = [(rank[1, e] - start) % n < (stop - start) % n for e in b]
-            if between[0] != between[1]:
-                uv = crossing_point(_plain_ends(d1, a), _plain_ends(d2, b))[0]
-                place = (float(uv[0]), float(uv[1]))
-                found.append((place, 1 if between[0] else -1, (a[0], b[0])))
-    return found
-
-
-def _order_on_edge(d: list[float], e: int, number: int) -> tuple[float, float, float]:
-    """Sorts ends on one edge along the walk: position, shift, and which field it is."""
-    low, high = d[EDGES[e][0]], d[EDGES[e][1]]
-    t, shift = low / (low - high), -1 / (high - low)
-    first = 0.0 if number else np.sign(shift)
-    return (t, shift, first) if FORWARD[e] else (-t, -shift, -first)
-
-
-def _plain_ends(d: list[float], line: tuple[int, int]) -> Floats:
-    """(1, 2, 2) coordinates (u, v) of the ends of a line."""
-    ends_uv = []
-    for e in line:
-        low, high = d[EDGES[e][0]], d[EDGES[e][1]]
-        t = low / (low - high)
-        ends_uv.append([(t, 0.0), (1.0, t), (t, 1.0), (0.0, t)][e])
-    return np.array([ends_uv])
-
-
-def _plain_points(pair: Pair, rows: list[tuple[Any, ...]]) -> FacePoints:
-    """`FacePoints` of the rows (vertices, uv, voxel, face, heading, edges)."""
-    n = len(rows)
-    columns = zip(*rows, strict=True) if n else [()] * 6
-    shapes = ((n, 4, 3), (n, 2), (n,), (n,), (n,), (n, 2))
-    vertices, uv, voxels, faces, headings, edges = (
-        np.array(column, float if number == 1 else np.int64).reshape(shape)
-        for number, (column, shape) in enumerate(zip(columns, shapes, strict=True))
-    )
-    positions = pair.first.position(_places(vertices[:, 0], AXES[faces], uv))
-    tangents, confidence = pair.tangents(vertices, uv)
-    return FacePoints(positions, tangents, confidence, voxels, faces, headings, edges, pair.cells)
-
-
-# --- the sweep over the active voxels ----------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Two co-located fields with their isovalues and the rule of ambiguous faces."""
-
-    first: Field
-    second: Field
-    isovalues: tuple[float, float]
-    rule: FaceRule
-
-    def __post_init__(self) -> None:
-        check_pair(self.first, self.second, self.isovalues)
-        if self.rule not in get_args(FaceRule):
-            raise FieldError(f"no face rule {self.rule!r}; choose of {get_args(FaceRule)}")
-
-    @property
-    def sides(self) -> tuple[tuple[Field, float], tuple[Field, float]]:
-        """Each field with its isovalue."""
-        return (self.first, self.isovalues[0]), (self.second, self.isovalues[1])
-
-    @property
-    def cells(self) -> tuple[int, int, int]:
-        """The number of voxels along each axis."""
-        n1, n2, n3 = (max(n - 1, 0) for n in self.first.shape)
-        return n1, n2, n3
-
-    def candidates(self) -> list[tuple[Integers, Integers]]:
-        """(voxels, faces) that both surfaces intersect, slab by slab, each face once."""
-        layer = max(self.cells[1] * self.cells[2], 1)
-        step = max(SLAB // layer, 1)
-        slabs = range(0, self.cells[0], step)
-        return [self._slab(start, min(start + step, self.cells[0])) for start in slabs] or [
-            (np.empty(0, np.int64), np.empty(0, np.int64))
-        ]
-
-    def _slab(self, start: int, stop: int) -> tuple[Integers, Integers]:
-        """`candidates` with first index start to stop - 1."""
-        b1, b2 = (
-            voxel_configurations(self.inside(field, isovalue, start, stop)).ravel()
-            for field, isovalue in self.sides
-        )
-        # b + 1 wraps 255 to 0, so that b + 1 > 1 says that the voxel is mixed.
-        one = np.uint8(1)
-        active = np.flatnonzero((b1 + one > one) & (b2 + one > one))
-        voxels = active + start * self.cells[1] * self.cells[2]
-        f = FACE_TABLE[b1[active]] & FACE_TABLE[b2[active]]
-        where = np.stack(np.unravel_index(voxels, self.cells), axis=1)
-        checked = (SIDES == 0) | (where[:, AXES] == np.array(self.cells)[AXES] - 1)
-        row, face = np.nonzero((f[:, None] >> np.arange(6) & 1).astype(bool) & checked)
-        return voxels[row], face
-
-    def inside(self, field: Field, isovalue: float, start: int, stop: int) -> Booleans:
-        """Which samples are inside, in the planes start to stop."""
-        samples = field.values[start : stop + 1]
-        mask: Booleans = samples >= least_inside(samples.dtype, isovalue)
-        return mask
-
-    def vertices(self, voxels: Integers, faces: Integers) -> Integers:
-        """(F, 4, 3) lattice indices of the vertices of these faces."""
-        corner = np.stack(np.unravel_index(voxels, self.cells), axis=1)
-        return corner[:, None, :] + FACE_VERTICES[faces]
-
-    def lines(self, side: int, vertices: Integers, faces: Integers) -> tuple[Floats, Integers]:
-        """Values (F, 4), less the isovalue, and isolines (F, 2, 2) of one field on these faces."""
-        field, isovalue = self.sides[side]
-        d = _gather(field.values, vertices)
-        c = (d >= isovalue) @ np.array([1, 2, 4, 8])
-        separated = self.separated(field, d - isovalue, c, vertices, faces)
-        return d - isovalue, LINES[separated.astype(np.int64), c]
-
-    def separated(
-        self, field: Field, d: Floats, c: Integers, vertices: Integers, faces: Integers
-    ) -> Booleans:
-        """(F,) whether the inside vertices are separated; False where that is no question."""
-        result = np.zeros(len(c), bool)
-        hard = np.flatnonzero(AMBIGUOUS[c])
-        if self.rule in ("separated", "joined") or not len(hard):
-            result[hard] = self.rule == "separated"
-            return result
-        d = d[hard]
-        result[hard] = asymptotic_decider.separated(d[:, 0], d[:, 1], d[:, 3], d[:, 2])
-        if self.rule == "gradient":
-            axis, rows = AXES[faces[hard]], np.arange(len(hard))
-            g = gradients(field, vertices[hard]).mean(axis=1)
-            slope = g[rows, (axis + 1) % 3] * g[rows, (axis + 2) % 3]
-            result[hard] = np.where(slope == 0, result[hard], (slope > 0) == (d[:, 0] >= 0))
-        return result
-
-    def intersect(self, voxels: Integers, faces: Integers) -> tuple[Array, ...]:
-        """The columns of `FacePoints` for these faces."""
-        vertices = self.vertices(voxels, faces)
-        d1, l1 = self.lines(0, vertices, faces)
-        d2, l2 = self.lines(1, vertices, faces)
-        face, uv, headings, edges = intersect_lines(d1, l1, d2, l2)
-        place = _places(vertices[face, 0], AXES[faces[face]], uv)
-        tangents, confidence = self.tangents(vertices[face], uv)
-        positions = self.first.position(place)
-        return positions, tangents, confidence, voxels[face], faces[face], headings, edges
-
-    def tangents(self, vertices: Integers, uv: Floats) -> tuple[Floats, Floats]:
-        """Unit tangents (P, 3) and confidence (P,), gradients bilinear in (u, v)."""
-        u, v = uv.T
-        weights = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v], axis=1)
-        g1, g2 = (
-            _unit((gradients(field, vertices) * weights[:, :, None]).sum(axis=1))
-            for field, _ in self.sides
-        )
-        cross = np.cross(g1, g2)
-        return _unit(cross), np.minimum(np.linalg.norm(cross, axis=1), 1.0)
-
-
-def voxel_configurations(inside: Booleans) -> NDArray[np.uint8]:
-    """VOXELCONFIG (eq. 2) of all voxels: bit c is set where corner c is inside.
-
-    >>> voxel_configurations(np.arange(8).reshape(2, 2, 2) >= 4)
-    array([[[170]]], dtype=uint8)
-    """
-    bits = inside.view(np.uint8)
-    # Fold one axis after the other: pairs, then faces, then voxels; corner bits 1, 2, 4.
-    bits = bits[:, :, :-1] | bits[:, :, 1:] << np.uint8(4)
-    bits = bits[:, :-1] | bits[:, 1:] << np.uint8(2)
-    return bits[:-1] | bits[1:] << np.uint8(1)
-
-
-def gradients(field: Field, indices: Integers) -> Floats:
-    """Gradients (.., 3) at samples: central differences, one-sided at the border (eq. 4)."""
-    result = np.empty(indices.shape, np.float64)
-    for axis in range(3):
-        above, below = indices.copy(), indices.copy()
-        above[..., axis] = np.minimum(indices[..., axis] + 1, field.shape[axis] - 1)
-        below[..., axis] = np.maximum(indices[..., axis] - 1, 0)
-        rise = _gather(field.values, above) - _gather(field.values, below)
-        result[..., axis] = rise / ((above - below)[..., axis] * field.spacing[axis])
-    return result
-
-
-def intersect_lines(
-    d1: Floats, l1: Integers, d2: Floats, l2: Integers
-) -> tuple[Integers, Floats, Integers, Integers]:
-    """INTERSECTLINES: where the isolines of two fields cross, on F faces at once.
-
-    Parameters
-    ----------
-    d1, d2 : (F, 4) values at the vertices, less the isovalue
-    l1, l2 : (F, 2, 2) isolines, as in `LINES`
-
-    Returns
-    -------
-    faces (P,), coordinates (P, 2) as (u, v), headings (P,), starting edges (P, 2); sorted by face.
-    """
-    t1, t2 = crossings(d1), crossings(d2)
-    ahead = first_is_ahead(d1, t1, d2, t2)
-    # Places around the face, 4 an edge: the second field's at 2, the first one's before or after.
-    place1, place2 = 4 * np.arange(4) + np.where(ahead, 3, 1), 4 * np.arange(4) + 2
-    found = []
-    for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        face = np.flatnonzero((l1[:, i, 0] >= 0) & (l2[:, j, 0] >= 0))
-        a, b = l1[face, i], l2[face, j]
-        a_place = np.take_along_axis(place1[face], a, axis=1)
-        b_place = place2[b]
-        right = (b_place - a_place[:, :1]) % 16 < (a_place[:, 1:] - a_place[:, :1]) % 16
-        cross = np.flatnonzero(right[:, 0] != right[:, 1])
-        face, a, b = face[cross], a[cross], b[cross]
-        uv = crossing_point(ends(t1[face], a), ends(t2[face], b))
-        heading = np.where(right[cross, 0], 1, -1)
-        found.append((face, uv, heading, np.stack([a[:, 0], b[:, 0]], axis=1)))
-    face, uv, heading, edges = (np.concatenate(column) for column in zip(*found, strict=True))
-    order = np.argsort(face, kind="stable")
-    return face[order], uv[order], heading[order], edges[order]
-
-
-def crossings(d: Floats) -> Floats:
-    """(F, 4) where the value 0 is met on each edge, as a fraction of the way up its coordinate."""
-    low, high = d[:, [0, 1, 2, 0]], d[:, [1, 3, 3, 2]]
-    mixed = (low >= 0) != (high >= 0)
-    return np.divide(low, low - high, out=np.zeros_like(low), where=mixed)
-
-
-def first_is_ahead(d1: Floats, t1: Floats, d2: Floats, t2: Floats) -> Booleans:
-    """(F, 4) whether field 1 crosses an edge later on the walk around the face than field 2.
-
-    Equal positions are told apart as if both isovalues were lower by the same infinitesimal, then
-    as if that of field 1 were lower still.
-    """
-    slope1, slope2 = (d[:, [1, 3, 3, 2]] - d[:, [0, 1, 2, 0]] for d in (d1, d2))
-    # A crossing shifts by -1 / slope along the edge; larger t, then larger shift, is further up.
-    with np.errstate(divide="ignore"):
-        shift1, shift2 = -1 / slope1, -1 / slope2
-    up = np.where(shift1 == shift2, shift1 > 0, shift1 > shift2)
-    up = np.where(t1 == t2, up, t1 > t2)
-    ahead: Booleans = up == np.array(FORWARD)
-    return ahead
-
-
-def ends(t: Floats, line: Integers) -> Floats:
-    """(P, 2, 2) coordinates (u, v) of the start and the end of lines on P faces."""
-    fixed = np.array([0.0, 1.0, 1.0, 0.0])[line]
-    moving = np.take_along_axis(t, line, axis=1)
-    along_u = line % 2 == 0
-    return np.stack([np.where(along_u, moving, fixed), np.where(along_u, fixed, moving)], axis=2)
-
-
-def crossing_point(a: Floats, b: Floats) -> Floats:
-    """(P, 2) where segments a and b (P, 2, 2), known to cross, do so.
-
-    Each segment is met within its ends, in its middle where rounding leaves them parallel; the
-    mean of the two places is the same whichever field is called the first.
-    """
-    return (_meet(a, b) + _meet(b, a)) / 2
-
-
-def _meet(a: Floats, b: Floats) -> Floats:
-    """The point of segment a on the line of segment b."""
-    da, db, gap = a[:, 1] - a[:, 0], b[:, 1] - b[:, 0], b[:, 0] - a[:, 0]
-    det = da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]
-    s = np.divide(
-        gap[:, 0] * db[:, 1] - gap[:, 1] * db[:, 0],
-        det,
-        out=np.full(len(det), 0.5),
-        where=det != 0,
-    )
-    place: Floats = a[:, 0] + np.clip(s, 0, 1)[:, None] * da
-    return place
-
-
-# --- joining -------------------------------------------------------------------------------------
-
-
-def join(points: FacePoints, pair: Pair) -> list[tuple[Integers, bool]]:
+def join(points: FacePoints, one: Isosurface, two: Isosurface) -> list[tuple[Integers, bool]]:
     """The points in order along their curves, by index, and whether each curve is closed.
 
     In a voxel with one point in and one point out there is nothing to choose. With more, only
     points on the same loop of either surface around the voxel are joined, and among those the
     choice of least total length.
     """
-    leaves, enters = _voxels_beside(points)
+    # Note for each voxel the points that enter it and those that leave it, by their loops.
+    Groups = dict[tuple[Polygon, ...], tuple[list[int], list[int]]]
+    groups: dict[Voxel, Groups] = defaultdict(lambda: defaultdict(lambda: ([], [])))
+    for n in range(len(points)):
+        owner, across = voxels_beside(points, n)
+        outward = points.headings[n] == (1 if points.faces[n] % 2 else -1)
+        for voxel, leaves in ((owner, outward), (across, not outward)):
+            if voxel is not None:
+                edges = points.edges[n].tolist()
+                if voxel != owner:
+                    edges = [edge_across(e, int(points.faces[n]) // 2) for e in edges]
+                loops = (loop_of(one, voxel, edges[0]), loop_of(two, voxel, edges[1]))
+                groups[voxel][loops][int(leaves)].append(n)
+
+    # Join what enters to what leaves.
     successor = np.full(len(points), -1)
-    used, count = np.unique(enters[enters >= 0], return_counts=True)
-    simple = np.zeros(int(np.prod(points.cells)) + 1, bool)
-    simple[used[count == 1]] = True
-    into = np.flatnonzero(simple[enters])
-    out = np.flatnonzero(simple[leaves])
-    successor[into[np.argsort(enters[into])]] = out[np.argsort(leaves[out])]
-    _join_crowded(points, pair, used[count > 1], leaves, enters, successor)
+    for by_loops in groups.values():
+        for into, out in by_loops.values():
+            gaps = points.positions[into][:, None] - points.positions[out][None]
+            row, column = linear_sum_assignment(np.linalg.norm(gaps, axis=2))
+            successor[np.array(into)[row]] = np.array(out)[column]
     return follow(successor)
 
 
-def _voxels_beside(points: FacePoints) -> tuple[Integers, Integers]:
-    """The voxel that the curve leaves and the one that it enters at each point, or -1."""
-    stride = np.array([points.cells[1] * points.cells[2], points.cells[2], 1])
-    axis, side = AXES[points.faces], SIDES[points.faces]
-    corner = np.stack(np.unravel_index(points.voxels, points.cells), axis=1)
-    # A face of side 0 has its owner above it, a face of side 1 (on the border) below it.
-    above = np.where(side == 0, points.voxels, -1)
-    inner = corner[np.arange(len(points)), axis] > 0
-    below = np.where(side == 1, points.voxels, np.where(inner, points.voxels - stride[axis], -1))
-    up = points.headings > 0
-    return np.where(up, below, above), np.where(up, above, below)
+def voxels_beside(points: FacePoints, n: int) -> tuple[Voxel, Voxel | None]:
+    """The voxel that owns the face of point n, and the one across it; None beyond the lattice."""
+    owner = tuple(int(i) for i in np.unravel_index(points.voxels[n], points.cells))
+    axis, side = divmod(int(points.faces[n]), 2)
+    if side == 1 or owner[axis] == 0:
+        return owner, None
+    return owner, tuple(i - (a == axis) for a, i in enumerate(owner))
 
 
-def _join_crowded(
-    points: FacePoints,
-    pair: Pair,
-    crowded: Integers,
-    leaves: Integers,
-    enters: Integers,
-    successor: Integers,
-) -> None:
-    """`successor` filled in for the points that enter a voxel which several points enter."""
-    if not len(crowded):
-        return
-    loops = np.stack([loop_labels(pair, side, crowded) for side in (0, 1)], axis=1)
-    groups: dict[int, tuple[list[int], list[int]]] = {}
-    for role, voxels in enumerate((enters, leaves)):
-        chosen = np.flatnonzero(np.isin(voxels, crowded))
-        row = np.searchsorted(crowded, voxels[chosen])
-        edge = _cell_edges(points, chosen, voxels[chosen])
-        labels = loops[row[:, None], [[0, 1]], edge]
-        keys = (144 * row + 12 * labels[:, 0] + labels[:, 1]).tolist()
-        for point, key in zip(chosen.tolist(), keys, strict=True):
-            groups.setdefault(key, ([], []))[role].append(point)
-    for into, out in groups.values():
-        apart = points.positions[into][:, None] - points.positions[out][None]
-        row, column = linear_sum_assignment(np.linalg.norm(apart, axis=2))
-        successor[np.array(into)[row]] = np.array(out)[column]
+def edge_across(e: int, axis: int) -> int:
+    """The number that edge e of a face has in the voxel on the other side of that face.
+
+    >>> edge_across(0, 1), edge_across(1, 1)
+    (1, 0)
+    """
+    return EDGE_OF[frozenset(c ^ 1 << axis for c in EDGES[e])]
 
 
-# Edge of the voxel that is edge e of face f.
-CELL_EDGES = np.array(
-    [[EDGE_OF[frozenset((row[i], row[j]))] for i, j in EDGES] for row in FACE_CORNERS.tolist()]
-)
-
-
-def _cell_edges(points: FacePoints, chosen: Integers, voxels: Integers) -> Integers:
-    """(P, 2) edges of `voxels` where the lines through the chosen points start."""
-    face = points.faces[chosen]
-    # Seen from the voxel that does not own it, a face of side 0 is one of side 1.
-    face = np.where(points.voxels[chosen] == voxels, face, face ^ 1)
-    return CELL_EDGES[face[:, None], points.edges[chosen]]
-
-
-def loop_labels(pair: Pair, side: int, voxels: Integers) -> Integers:
-    """(C, 12) for each edge of these voxels, the least edge on the same loop of a surface."""
-    faces = np.tile(np.arange(6), len(voxels))
-    _, lines = pair.lines(side, pair.vertices(np.repeat(voxels, 6), faces), faces)
-    lines = lines.reshape(len(voxels), 12, 2)
-    rows, line = np.nonzero(lines[:, :, 0] >= 0)
-    start, end = CELL_EDGES[line[:, None] // 2, lines[rows, line]].T
-    labels = np.tile(np.arange(12), (len(voxels), 1))
-    # A loop has at most twelve edges, so that twelve rounds carry the least one all around.
-    for _ in range(12):
-        least = np.minimum(labels[rows, start], labels[rows, end])
-        np.minimum.at(labels, (rows, start), least)
-        np.minimum.at(labels, (rows, end), least)
-    return labels
-
-
-def _places(corners: Integers, axes: Integers, uv: Floats) -> Floats:
-    """Fractional lattice indices (P, 3) of points (u, v) of faces across these axes."""
-    place, rows = corners.astype(np.float64), np.arange(len(corners))
-    place[rows, (axes + 1) % 3] += uv[:, 0]
-    place[rows, (axes + 2) % 3] += uv[:, 1]
-    return place
-
-
-def _gather(values: Array, indices: Integers) -> Floats:
-    """Samples at lattice indices (.., 3), as float64."""
-    gathered: Floats = values[indices[..., 0], indices[..., 1], indices[..., 2]].astype(np.float64)
-    return gathered
-
-
-def _unit(vectors: Floats) -> Floats:
-    """Vectors (P, 3) of length 1; those of length 0 stay as they are."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-    return unit
+def loop_of(surface: Isosurface, voxel: Voxel, e: int) -> Polygon:
+    """The loop of a surface around a voxel that passes edge e."""
+    separated = sum(1 << f for f in range(6) if is_separated(surface, voxel, f))
+    loops = cycles(voxel_config(surface, voxel), separated)
+    return next(loop for loop in loops if e in loop)

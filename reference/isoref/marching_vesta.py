@@ -148,7 +148,7 @@ def tile(signs: int, decisions: int, mode: Mode, resolution: Resolution) -> Tile
 @cache
 def _cut(cycle: Polygon) -> tuple[Triangle, ...]:
     """The triangles of a cycle without a further point, as `isoref.vesta` cuts it."""
-    start = int(fan_start(CENTRES[[list(cycle)]])[0])
+    start = fan_start(CENTRES[list(cycle)])
     first, *others = cycle[start:] + cycle[:start]
     return tuple((first, a, b) for a, b in pairwise(others))
 

@@ -11,12 +11,23 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from isoref import asymptotic_decider, lorensen_cline, marching_vesta, trilinear_cubes
+from isoref import (
+    asymptotic_decider,
+    dual_marching_cubes,
+    label_cubes,
+    lorensen_cline,
+    marching_vesta,
+    surface_nets,
+    trilinear_cubes,
+)
+from isoref.dual import DualRule
+from isoref.fast import dual
+from isoref.fast.sweep import sweep
+from isoref.fast.vesta import vesta
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep
-from isoref.vesta import SIX_SURFACES, vesta
+from isoref.vesta import SIX_SURFACES
 
 Method = Callable[[Field, float], Mesh]
 
@@ -35,6 +46,12 @@ METHODS |= {
     f"vesta-{mode}-{resolution}": partial(vesta, mode=mode, resolution=resolution)
     for mode, resolution in SIX_SURFACES
 }
+
+DUAL_RULES: dict[str, DualRule] = {
+    rule.name: rule for rule in (surface_nets.RULE, dual_marching_cubes.RULE)
+}
+METHODS |= {name: partial(dual.surface, rule) for name, rule in DUAL_RULES.items()}
+METHODS |= {"label-cubes": label_cubes.surface}
 
 
 def extract(

@@ -57,10 +57,10 @@ import numpy as np
 
 from isoref import asymptotic_decider
 from isoref.curves import Curve, check_pair, curves_through, follow
+from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep_with_cells
 
 Point = tuple[Fraction, Fraction, Fraction]
 

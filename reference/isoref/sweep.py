@@ -1,77 +1,161 @@
-"""The sweep: a rule carried over a field.
+"""The sweep: a rule carried over a volume, cell by cell.
 
-Twice. `sweep_plain` is the obvious triple loop, to be read; `sweep` is the same in NumPy, to be
-used. Both give the same mesh, triangle by triangle, up to the numbering of the vertices.
+A rule (`isoref.rule`) says what one cell does. To make a surface of a volume, visit the cells one
+after the other, read the eight samples at each cell's corners, and copy the triangles of its tile.
+Two things remain to be said: where a vertex stands, and which vertices are one.
 
-The vectorised sweep goes through the volume twice, in *slabs* of planes small enough that their
-intermediate arrays stay in the processor's cache. The first pass does what must be done for each
-voxel: it compares, and finds the few cells the surface passes through. Then the size of the mesh
-is known, and the second pass writes it into its final arrays, working on the active cells alone.
+*Where.* The surface crosses a lattice edge whose ends lie on different sides. It does so where the
+linear interpolant of the two samples takes the isovalue::
+
+        low             0          high
+         o--------------x-----------o         t = low / (low - high)
+         0              t           1         low, high: samples minus the isovalue
+
+*Which are one.* Up to four cells share a lattice edge, and each of them meets the crossing on it.
+So a vertex is named by its lattice edge, and is made by the first cell that asks for the name.
+Interior points belong to their cell alone.
+
+`isoref.fast.sweep` is the vectorised twin: the same mesh, triangle by triangle, up to the
+numbering of the vertices.
 
 Glossary
 --------
-point       a lattice point, by its flat index in its slab
-cell        named by its lower corner's point
-signs       eight bits, one a corner: whether it is inside (`isoref.cube`)
-active      a cell with corners on both sides
-owner       each lattice edge belongs to the cell at its lower end, so no vertex is made twice and
-            none has to be searched for: vertices are numbered by a running count
-phantom     a cell beyond the upper border, whose missing samples repeat the border; it owns
-            edges of the border but makes no triangles
+cell        named by the lattice index of its lowest corner
+g           (8, 1) the samples at the cell's corners minus the isovalue
+signs       eight bits, one a corner: whether its sample is inside (`isoref.cube`)
+tile        the oriented triangles of a cell on its nodes (`isoref.rule`)
+node        0 .. 11 the crossing on that edge of the cell; 12, 13, .. interior points
 
-Weld rule: two triangles share a vertex when they cross the same lattice edge, and only then.
+Invariants
+----------
+Triangles come in the order of their cells (C order). Two triangles share a vertex when they cross
+the same lattice edge, and only then: vertices that happen to coincide stay apart.
+
+References
+----------
+[1] Lorensen, Cline, "Marching cubes", SIGGRAPH 1987, section 4: the loop over the cells and the
+    linear interpolation along their edges.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, axis_of
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers, check_isovalue
+from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, inside_samples
 from isoref.mesh import Mesh
-from isoref.rule import Rule, Tile
+from isoref.rule import Rule
 
-# Points of a slab and active cells worked on at once: a slab's bytes fit the processor's last
-# cache, the numbers of a block of cells nearly fit its second.
-SLAB_POINTS = 1 << 20
-BLOCK_CELLS = 1 << 14
+Cell = tuple[int, ...]
+Name = tuple[int, ...]
 
 
-def least_inside(dtype: np.dtype[Any], isovalue: float) -> Any:
-    """The least number of type `dtype` that is not below the isovalue.
+def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
+    """The rule's surface of a volume, its normals from high values to low ones.
 
-    A comparison would round the isovalue to the samples' type; this rounds it up, so that the
-    comparison stays exact, and cheap.
+    Parameters
+    ----------
+    rule : what a cell does, as in `isoref.methods.RULES`
+    field : one value a sample on a lattice (N1, N2, N3)
+    isovalue : in the unit of the samples
 
-    >>> least_inside(np.dtype(np.uint8), 3.2)
-    4
-    >>> float(least_inside(np.dtype(np.float32), 0.3)) >= 0.3
+    Returns
+    -------
+    Mesh
+        of triangles; vertices (V, 3) in the unit of the field's spacing. Empty where no sample
+        is inside or all are, or where the lattice is one sample thick.
+
+    Raises
+    ------
+    FieldError
+        for a field that is not a scalar volume, or an isovalue that is no finite number.
+
+    >>> from isoref import lorensen_cline
+    >>> corner = Field.of([[[1, 0], [0, 0]], [[0, 0], [0, 0]]])
+    >>> sweep(lorensen_cline.RULE, corner, 0.5).vertices.tolist()
+    [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]
+    """
+    return sweep_with_cells(rule, field, isovalue)[0]
+
+
+def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
+    """The rule's surface, and for each of its T triangles the cell it lies in.
+
+    Parameters and errors are those of `sweep`. The second result, (T,), names a cell by its flat
+    index in the lattice of cells, (N1-1) x (N2-1) x (N3-1); it never falls.
+    """
+    check_volume(field)
+    alpha = check_isovalue(isovalue)
+    inside = inside_samples(field, alpha).reshape(field.shape)
+    relative = field.values.reshape(field.shape).astype(np.float64) - alpha
+    vertices: list[Floats] = []
+    number: dict[Name, int] = {}
+    triangles: list[list[int]] = []
+    cells: list[int] = []
+
+    for k, cell in enumerate(np.ndindex(*(n - 1 for n in field.shape))):
+        # Read the samples at the corners.
+        corners = [tuple(cell + offset) for offset in CORNER_OFFSETS]
+        g = np.array([[relative[corner]] for corner in corners])
+        signs = sum(1 << c for c in range(8) if inside[corners[c]])
+
+        # Decide what the signs leave open, and take the tile.
+        decisions = int(rule.decisions(g)[0]) if rule.asks(signs) else 0
+        tile = rule.tile(signs, decisions)
+
+        # Place the cell's nodes, and number those that no earlier cell has met.
+        crossings = cell_crossings(g)
+        names: dict[int, Name] = {}
+        for node in sorted({node for triangle in tile.triangles for node in triangle}):
+            if node < 12:
+                names[node], place = lattice_edge(cell, node), crossings[node, 0]
+            else:
+                names[node], place = (*cell, node), tile.interior[node - 12](g, crossings)[0]
+            if names[node] not in number:
+                number[names[node]] = len(vertices)
+                vertices.append(field.position(cell + place))
+
+        # Copy the triangles.
+        for triangle in tile.triangles:
+            triangles.append([number[names[node]] for node in triangle])
+            cells.append(k)
+
+    if not triangles:
+        return Mesh.empty(3, 2), np.empty(0, np.int64)
+    return Mesh.of(vertices, triangles), np.array(cells, np.int64)
+
+
+def lattice_edge(cell: Cell, e: int) -> Name:
+    """The lattice edge that is edge e of the cell: the index of its lower end, and its axis.
+
+    >>> lattice_edge((0, 0, 0), 3) == lattice_edge((0, 1, 1), 0)
     True
     """
-    if dtype.kind in "biu":
-        return int(np.ceil(isovalue))
-    with np.errstate(over="ignore"):
-        rounded = dtype.type(isovalue)
-    if rounded < isovalue:
-        rounded = np.nextafter(rounded, dtype.type(np.inf))
-    return rounded
+    low = CORNER_OFFSETS[EDGE_CORNERS[e][0]]
+    return (*(int(i) for i in cell + low), axis_of(e))
 
 
-def inside_samples(field: Field, isovalue: float) -> Booleans:
-    """Which samples are inside: value >= isovalue."""
-    mask: Booleans = field.values >= least_inside(field.values.dtype, isovalue)
-    return mask
+def cell_crossings(g: Floats) -> Floats:
+    """Where the surface crosses each edge of n cells, (12, n, 3) from g (8, n).
+
+    Coordinates are those of the cell, 0 to 1; an edge that is not crossed has NaN.
+
+    >>> cell_crossings(np.array([[3.0], [-1], [-1], [-1], [-1], [-1], [-1], [-1]]))[0, 0].tolist()
+    [0.75, 0.0, 0.0]
+    """
+    crossings = np.full((12, g.shape[1], 3), np.nan)
+    inside = g >= 0
+    for e, (a, b) in enumerate(EDGE_CORNERS):
+        crossed = np.flatnonzero(inside[a] != inside[b])
+        crossings[e, crossed] = CORNER_OFFSETS[a]
+        crossings[e, crossed, axis_of(e)] = crossing_parameter(g[a, crossed], g[b, crossed])
+    return crossings
 
 
 def crossing_parameter(low: Floats, high: Floats) -> Floats:
-    """Where on an edge the linear interpolant vanishes, 0 at the end `low` and 1 at `high`.
+    """Where on an edge the linear interpolant vanishes: t from 0 at the end `low` to 1 at `high`.
 
-    Both are relative values (sample minus isovalue) of different signs.
+    Both are relative values (sample minus isovalue) of different signs, in arrays of one shape.
 
     >>> crossing_parameter(np.array([-1.5e308]), np.array([1.5e308]))
     array([0.5])
@@ -94,457 +178,10 @@ def crossing_parameter(low: Floats, high: Floats) -> Floats:
     return np.asarray(low * half / (low * half - high * half))
 
 
-def _check_volume(field: Field) -> None:
-    """Nothing, where the field is a scalar field on a three-dimensional lattice; else raises."""
+def check_volume(field: Field) -> None:
+    """Raise FieldError unless the field has one value a sample on a 3-D lattice."""
     if field.dimension != 3 or field.components != 1:
         raise FieldError(
             f"a sweep needs one value a sample on a 3-D lattice, not {field.components} on a "
             f"{field.dimension}-D one"
         )
-
-
-# --------------------------------------------------------------------------------------------
-# The plain sweep
-# --------------------------------------------------------------------------------------------
-
-
-def sweep_plain(rule: Rule, field: Field, isovalue: float) -> Mesh:
-    """The rule's surface, by a triple loop over the cells.
-
-    Raises `FieldError` for a field that is not a scalar volume or an isovalue that is no number.
-    """
-    _check_volume(field)
-    values = field.values.astype(np.float64) - check_isovalue(isovalue)
-    vertices: list[Floats] = []
-    number: dict[object, int] = {}
-    triangles: list[list[int]] = []
-    for cell in np.ndindex(*(n - 1 for n in field.shape)):
-        g = np.array([values[tuple(cell + offset)] for offset in CORNER_OFFSETS])
-        signs = sum(1 << c for c in range(8) if g[c] >= 0)
-        decisions = int(rule.decisions(g[:, None])[0]) if rule.asks(signs) else 0
-        tile = rule.tile(signs, decisions)
-        crossings = cell_crossings(g[:, None])
-
-        def vertex(node: int) -> int:
-            """The number of the vertex at this node of the cell, made when it is first met."""
-            key = lattice_edge(cell, node) if node < 12 else (cell, node)  # noqa: B023
-            if key not in number:
-                place = _node_place(tile, node, g, crossings)  # noqa: B023
-                number[key] = len(vertices)
-                vertices.append(field.position(np.asarray(cell) + place))  # noqa: B023
-            return number[key]
-
-        triangles += [[vertex(node) for node in triangle] for triangle in tile.triangles]
-    if not triangles:
-        return Mesh.empty(3, 2)
-    return Mesh.of(vertices, triangles)
-
-
-def lattice_edge(cell: tuple[int, ...], e: int) -> tuple[int, ...]:
-    """The lattice edge that is edge e of the cell: its lower end and its axis.
-
-    >>> lattice_edge((0, 0, 0), 3) == lattice_edge((0, 1, 1), 0)
-    True
-    """
-    low = CORNER_OFFSETS[EDGE_CORNERS[e][0]]
-    return (*(int(i) for i in cell + low), axis_of(e))
-
-
-def _node_place(tile: Tile, node: int, g: Floats, crossings: Floats) -> Floats:
-    """The coordinates of a node in its cell, (3,)."""
-    if node < 12:
-        return np.asarray(crossings[node, 0])
-    return np.asarray(tile.interior[node - 12](g[:, None], crossings)[0])
-
-
-def cell_crossings(g: Floats) -> Floats:
-    """Where the surface crosses each edge of n cells, (12, n, 3) from g (8, n).
-
-    Coordinates are those of the cell; an edge that is not crossed has NaN.
-    """
-    crossings = np.full((12, g.shape[1], 3), np.nan)
-    inside = g >= 0
-    crossed = inside[EDGE_CORNERS[:, 0]] != inside[EDGE_CORNERS[:, 1]]
-    for e in np.flatnonzero(crossed.any(axis=1)).tolist():
-        a, b = EDGE_CORNERS[e]
-        # Spare the selection where all cells agree, as they do in a sweep.
-        rows = slice(None) if crossed[e].all() else np.flatnonzero(crossed[e])
-        crossings[e, rows] = CORNER_OFFSETS[a]
-        crossings[e, rows, axis_of(e)] = crossing_parameter(g[a, rows], g[b, rows])
-    return crossings
-
-
-# --------------------------------------------------------------------------------------------
-# The vectorised sweep
-# --------------------------------------------------------------------------------------------
-
-
-def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
-    """The rule's surface, vectorised.
-
-    Raises `FieldError` for a field that is not a scalar volume or an isovalue that is no number.
-    """
-    return _swept(rule, field, isovalue, with_cells=False)[0]
-
-
-def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
-    """The rule's surface, and for each triangle the cell it lies in.
-
-    A cell is given by its flat index in the lattice of cells, (N1-1) x (N2-1) x (N3-1), and
-    triangles come in that order.
-    """
-    return _swept(rule, field, isovalue, with_cells=True)
-
-
-def _swept(rule: Rule, field: Field, isovalue: float, with_cells: bool) -> tuple[Mesh, Integers]:
-    """The rule's surface, and the cells of its triangles where they are wanted."""
-    _check_volume(field)
-    isovalue = check_isovalue(isovalue)
-    if min(field.shape) < 2:
-        return Mesh.empty(3, 2), np.empty(0, np.int64)
-    volume, tiles = _Volume.of(field, isovalue), _Tiles(rule)
-    slabs = list(_find(volume, tiles))
-    surface = _Surface(volume, tiles, slabs, with_cells)
-    for slab, behind in zip(slabs, [*slabs[1:], None], strict=True):
-        surface.add(slab, behind)
-    surface.place_interior_points(slabs)
-    return Mesh(surface.vertices, surface.triangles), surface.cells
-
-
-class _Tiles:
-    """The tiles met so far, as flat tables that many cells can be looked up in at once.
-
-    A key is signs + 256 * decisions.
-    """
-
-    def __init__(self, rule: Rule) -> None:
-        self.rule = rule
-        self.asks = np.array([rule.asks(signs) for signs in range(256)])
-        self.tile: dict[int, Tile] = {}
-        size = 1 << (8 + rule.bits)
-        self.key_type = np.min_scalar_type(size - 1)
-        self.is_known = np.zeros(size, np.bool_)
-        self.count = np.zeros(size, np.int64)  # triangles of a tile
-        self.start = np.zeros(size, np.int64)  # its first row in `nodes`
-        self.interior = np.zeros(size, np.int64)  # its interior points
-        self.nodes = np.empty((0, 3), np.int64)
-
-    def learn(self, keys: Array) -> None:
-        """Make the tables hold the tile of every key that occurs."""
-        rows = [self.nodes]
-        end = len(self.nodes)
-        unknown = keys[~_take(self.is_known, keys)]
-        for key in np.flatnonzero(np.bincount(unknown)).tolist():
-            tile = self.rule.tile(key & 255, key >> 8)
-            self.tile[key], self.is_known[key] = tile, True
-            self.count[key], self.start[key] = len(tile.triangles), end
-            self.interior[key] = len(tile.interior)
-            end += len(tile.triangles)
-            rows.append(np.array(tile.triangles, np.int64).reshape(-1, 3))
-        self.nodes = np.concatenate(rows)
-
-
-def number_type(n: int) -> type[np.int32 | np.int64]:
-    """The least of the two common integer types that can number n things.
-
-    >>> number_type(1 << 31).__name__, number_type((1 << 31) + 1).__name__
-    ('int32', 'int64')
-    """
-    return np.int32 if n <= 1 << 31 else np.int64
-
-
-def _take(table: Array, index: Array) -> Array:
-    """table[index], for indices that are in range: the look-up that NumPy is fastest at."""
-    return table.take(index, mode="clip")
-
-
-@dataclass(frozen=True)
-class _Volume:
-    """The field as slabs of planes.
-
-    planes : of a slab, at most
-    strides : how far neighbours along each axis are apart in a slab's samples, by flat index
-    """
-
-    field: Field
-    isovalue: float
-    planes: int
-    strides: Integers
-
-    @classmethod
-    def of(cls, field: Field, isovalue: float) -> _Volume:
-        """The volume in slabs of about `SLAB_POINTS` points."""
-        n1, n2, n3 = field.shape
-        planes = min(n1, max(1, SLAB_POINTS // (n2 * n3)))
-        return cls(field, isovalue, planes, np.array([n2 * n3, n3, 1]))
-
-    def samples(self, first: int) -> Array:
-        """The samples of the slab from plane `first` and of the plane behind it, flat."""
-        planes = self.field.values[first : first + self.planes + 1]
-        return np.ascontiguousarray(planes).reshape(-1)
-
-    def relative(self, samples: Array) -> Floats:
-        """Samples minus the isovalue."""
-        values: Floats = samples.astype(np.float64)
-        values -= self.isovalue
-        return values
-
-    def corners(self, samples: Array, cells: Array) -> Array:
-        """The samples at the corners of n cells of a slab, (8, n)."""
-        low = cells.astype(np.int64)
-        return np.stack([_take(samples, low + s) for s in CORNER_OFFSETS @ self.strides])
-
-    def index(self, points: Array) -> tuple[Array, Array, Array]:
-        """Lattice indices of a slab's points, their planes counted from the slab's first."""
-        plane, row, _ = self.strides.tolist()
-        i = points // plane
-        rest = points - i * plane
-        j = rest // row
-        return i, j, rest - j * row
-
-
-# --- First pass: find the active cells ------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Slab:
-    """The active cells of some planes, named by their points' flat index in these planes.
-
-    first : its first plane
-    owners, signs : the active cells, phantoms included, in order
-    cells, keys : those that are no phantoms
-    having : which of `cells` have interior points
-    corners : (8, n) the samples at the corners of these
-    """
-
-    first: int
-    owners: Array
-    signs: NDArray[np.uint8]
-    cells: Array
-    keys: Array
-    having: Integers
-    corners: Array
-
-
-def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
-    """All slabs; `tiles` learns every tile that occurs in them."""
-    n1, n2, n3 = volume.field.shape
-    points = (volume.planes + 1) * n2 * n3
-    work = np.empty((2, points + 7 & -8), np.uint8)
-    for first in range(0, n1, volume.planes):
-        samples = volume.samples(first)
-        dense = _dense_signs(volume, samples, work)
-        dense = dense[: min(volume.planes, n1 - first) * n2 * n3]
-        owners = np.flatnonzero(_mixed(dense, work[1])).astype(number_type(points))
-        signs = _take(dense, owners)
-        i, j, k = volume.index(owners)
-        real = np.flatnonzero((i < n1 - 1 - first) & (j < n2 - 1) & (k < n3 - 1))
-        cells = _take(owners, real)
-        keys = _keys(volume, tiles, samples, cells, _take(signs, real))
-        tiles.learn(keys)
-        having = np.flatnonzero(_take(tiles.interior > 0, keys))
-        corners = volume.corners(samples, _take(cells, having))
-        yield _Slab(first, owners, signs, cells, keys, having, corners)
-
-
-def _dense_signs(volume: _Volume, samples: Array, work: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The signs of the cell above each sample, as if the samples at the end were repeated."""
-    size = len(samples)
-    signs, shifted = work[:, :size]
-    level = least_inside(samples.dtype, volume.isovalue)
-    np.greater_equal(samples, level, out=signs.view(np.bool_))
-    # Join to the corners so far those of the next point along each axis in turn. Shift words of
-    # eight bytes, whose bits stay apart.
-    words, words_shifted = work.view(np.uint64)
-    block, block_shifted = (a.reshape(-1, *volume.field.shape[1:]) for a in (signs, shifted))
-    for axis, last in ((2, np.s_[:, :, -1]), (1, np.s_[:, -1]), (0, np.s_[-1])):
-        np.left_shift(words, 1 << axis, out=words_shifted)
-        repeated = block[last] | block_shifted[last]
-        step = int(volume.strides[axis])
-        np.bitwise_or(signs[:-step], shifted[step:], out=signs[:-step])
-        block[last] = repeated
-    return np.asarray(signs)
-
-
-def _mixed(signs: NDArray[np.uint8], work: NDArray[np.uint8]) -> Booleans:
-    """Which signs are neither none nor all; written into `work`."""
-    # Add one, so that all wraps round to zero beside none.
-    following = np.add(signs, 1, out=work[: len(signs)])
-    return np.asarray(np.greater(following, 1, out=following.view(np.bool_)))
-
-
-def _keys(
-    volume: _Volume,
-    tiles: _Tiles,
-    samples: Array,
-    cells: Array,
-    signs: NDArray[np.uint8],
-) -> Array:
-    """The key of each cell, its decisions taken only where the rule asks."""
-    keys = signs.astype(tiles.key_type)
-    asked = np.flatnonzero(_take(tiles.asks, signs))
-    if tiles.rule.bits and len(asked):
-        g = volume.relative(volume.corners(samples, _take(cells, asked)))
-        keys[asked] |= (tiles.rule.decisions(g) << 8).astype(tiles.key_type)
-    return keys
-
-
-# --- Second pass: number the crossings and gather the triangles --------------------------------
-
-# For signs, which of the cell's three lower edges are crossed; one word of four bytes.
-_CROSSED = np.array(
-    [[(signs ^ signs >> (1 << a)) & 1 for a in range(3)] + [0] for signs in range(256)], np.uint8
-)
-_CROSSINGS = _CROSSED.sum(axis=1, dtype=np.int64)
-
-
-def _crossed_edges(owners: Array, signs: NDArray[np.uint8]) -> tuple[Array, Integers]:
-    """The crossed edges these cells own, in order: their lower points and their axes."""
-    slots = np.flatnonzero(_take(_CROSSED.view(np.uint32), signs).view(np.bool_))
-    return _take(owners, slots >> 2), slots & 3
-
-
-def _owners(end: Integers) -> Integers:
-    """To which cell each triangle belongs, where the cells' triangles end before `end`.
-
-    The same as np.repeat(np.arange(len(count)), count) in half the time.
-
-    >>> _owners(np.cumsum([2, 0, 3]))
-    array([0, 0, 2, 2, 2])
-    """
-    size = int(end[-1])
-    begun = np.bincount(end[:-1], minlength=size)[:size]
-    return np.cumsum(begun, out=begun)
-
-
-def _blocks(n: int) -> Iterator[slice]:
-    """Slices of at most `BLOCK_CELLS` that cover 0 .. n - 1."""
-    return (slice(start, min(start + BLOCK_CELLS, n)) for start in range(0, n, BLOCK_CELLS))
-
-
-class _Surface:
-    """The arrays of the mesh, of their final size, filled from the front slab by slab.
-
-    crossings : how many vertices are crossings; the interior points come behind them
-    made, gathered, made_inside : crossings, triangles and interior points so far
-    vertex_of : lattice edge 3 * point + axis of a slab -> vertex
-    steps : (3, rows) from 3 * point to the edge of each node in `tiles.nodes`
-    """
-
-    def __init__(
-        self, volume: _Volume, tiles: _Tiles, slabs: list[_Slab], with_cells: bool
-    ) -> None:
-        self.volume, self.tiles = volume, tiles
-        self.crossings = sum(int(_CROSSINGS.take(slab.signs).sum()) for slab in slabs)
-        interior = sum(int(tiles.interior.take(slab.keys).sum()) for slab in slabs)
-        triangles = sum(int(tiles.count.take(slab.keys).sum()) for slab in slabs)
-        self.vertices = np.empty((self.crossings + interior, 3))
-        self.triangles = np.empty((triangles, 3), np.int64)
-        self.cells = np.empty(triangles if with_cells else 0, np.int64)
-        self.made = self.gathered = self.made_inside = 0
-        edges = 3 * (volume.planes + 1) * int(volume.strides[0])
-        self.vertex_of = np.empty(edges, number_type(self.crossings))
-        # Edge e of a cell is the lower edge, along its axis, of the cell at its lower corner.
-        corner_steps = CORNER_OFFSETS @ volume.strides
-        edge_steps = 3 * corner_steps[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
-        self.steps = np.append(edge_steps, 0)[np.minimum(tiles.nodes.T, 12)]
-
-    def add(self, slab: _Slab, behind: _Slab | None) -> None:
-        """Write the crossings of a slab's edges and its triangles; `behind` is the next slab."""
-        samples = self.volume.samples(slab.first)
-        for block in _blocks(len(slab.owners)):
-            points, axis = _crossed_edges(slab.owners[block], slab.signs[block])
-            self._number(points, axis, self.made)
-            self._place(slab, samples, points, axis)
-            self.made += len(points)
-        if behind is not None:
-            # The upper edges of the last cells belong to the next slab: number them ahead.
-            plane = int(self.volume.strides[0])
-            ahead = slice(0, int(np.searchsorted(behind.owners, plane)))
-            points, axis = _crossed_edges(behind.owners[ahead], behind.signs[ahead])
-            self._number(points + self.volume.planes * plane, axis, self.made)
-        for block in _blocks(len(slab.cells)):
-            self._gather(slab, slab.cells[block], slab.keys[block])
-
-    def _number(self, points: Array, axis: Integers, first: int) -> None:
-        """Remember the vertices of these edges, numbered from `first` on."""
-        edges = 3 * points.astype(np.int64) + axis
-        self.vertex_of[edges] = np.arange(first, first + len(edges), dtype=self.vertex_of.dtype)
-
-    def _place(self, slab: _Slab, samples: Array, points: Array, axis: Integers) -> None:
-        """Write the positions of the crossings of these edges."""
-        field = self.volume.field
-        low = self.volume.relative(_take(samples, points))
-        high = self.volume.relative(_take(samples, points + _take(self.volume.strides, axis)))
-        t = crossing_parameter(low, high)
-        out = self.vertices[self.made : self.made + len(points)]
-        for a, index in enumerate(self.volume.index(points)):
-            place = (axis == a) * t
-            place += index + slab.first if a == 0 else index
-            place *= field.spacing[a]
-            np.add(place, field.origin[a], out=out[:, a])
-
-    def _gather(self, slab: _Slab, cells: Array, keys: Array) -> None:
-        """Write the triangles of these cells, in order."""
-        count = _take(self.tiles.count, keys)
-        end = np.cumsum(count)
-        owner = _owners(end)
-        row = _take(_take(self.tiles.start, keys) - end + count, owner)
-        row += np.arange(len(owner))
-        base = _take(3 * cells.astype(np.int64), owner)
-        out = slice(self.gathered, self.gathered + len(owner))
-        for k in range(3):
-            edges = _take(self.steps[k], row)
-            edges += base
-            self.triangles[out, k] = _take(self.vertex_of, edges)
-        if len(self.cells):
-            self.cells[out] = _take(self._flat(slab, cells), owner)
-        self._gather_inside(keys, owner, row)
-        self.gathered += len(owner)
-
-    def _gather_inside(self, keys: Array, owner: Integers, row: Integers) -> None:
-        """Write the nodes of triangles that are interior points, numbered cell by cell."""
-        interior = _take(self.tiles.interior, keys)
-        if not interior.any():
-            return
-        end = np.cumsum(interior)
-        first = end - interior + (self.crossings + self.made_inside)
-        for k, nodes in enumerate(self.tiles.nodes.T):
-            if nodes.max() >= 12:
-                places = np.flatnonzero(_take(nodes >= 12, row))
-                numbers = _take(first, owner[places]) + nodes[row[places]] - 12
-                self.triangles[self.gathered + places, k] = numbers
-        self.made_inside += int(end[-1])
-
-    def _flat(self, slab: _Slab, cells: Array) -> Integers:
-        """The flat index of cells in the lattice of cells."""
-        i, j, k = self.volume.index(cells.astype(np.int64))
-        _, n2, n3 = self.volume.field.shape
-        return np.asarray(((i + slab.first) * (n2 - 1) + j) * (n3 - 1) + k)
-
-    def place_interior_points(self, slabs: list[_Slab]) -> None:
-        """Write the positions of the interior points behind the crossings, cell by cell."""
-        plane = int(self.volume.strides[0])
-        cells = np.concatenate([_take(s.cells, s.having) + s.first * plane for s in slabs])
-        keys = np.concatenate([_take(s.keys, s.having) for s in slabs])
-        corners = np.concatenate([s.corners for s in slabs], axis=1)
-        own = _take(self.tiles.interior, keys)
-        first = self.crossings + np.cumsum(own) - own
-        # Take the cells of one key together: they share their placements.
-        order = np.argsort(keys, kind="stable")
-        for same in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
-            for block in _blocks(len(same)):
-                rows = same[block]
-                g = self.volume.relative(corners.take(rows, axis=1, mode="clip"))
-                self._place_inside(cells[rows], int(keys[rows[0]]), g, first[rows])
-
-    def _place_inside(self, cells: Integers, key: int, g: Floats, first: Integers) -> None:
-        """Write the interior points of cells of one key, from vertices `first` on."""
-        field = self.volume.field
-        crossings = cell_crossings(g)
-        low = self.volume.index(cells)
-        for k, place in enumerate(self.tiles.tile[key].interior):
-            inner = place(g, crossings)
-            for a in range(3):
-                coordinate = (low[a] + inner[:, a]) * field.spacing[a] + field.origin[a]
-                self.vertices[first + k, a] = coordinate

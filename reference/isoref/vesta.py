@@ -6,6 +6,10 @@ gap. VESTA draws the same eight small vectors on each of these faces, connects a
 the whole volume at once, and reads the surface off the closed cycles they form. It needs no table
 and looks at no 2 x 2 x 2 cell; that each cycle stays within one is a result (section II.C).
 
+Three steps, in the order of the code: find the boundary faces, follow the paths from face to face
+until they close, move the faces' centres to where the field takes the isovalue. Cutting the cycles
+into triangles comes last. `isoref.fast.vesta` is the vectorised twin: the same numbers.
+
 Glossary
 --------
 voxel       the unit cube round a sample; v, w, p, q below are voxels
@@ -14,6 +18,7 @@ r           range direction, from an active voxel to its inactive neighbour acro
 support     the point of the surface a boundary face carries: its centre, later moved along the
 point       range vector to where the field takes the isovalue
 juncture    the middle of an edge of a boundary face, named by the direction d from the centre
+face        (v, r): the face of an active voxel v towards its inactive neighbour v + r
 path        two voxel face vectors, juncture - centre - juncture, round one quarter of a face
 POA         point of ambiguity: a juncture where four boundary faces meet, because two active
             voxels share no more than an edge
@@ -45,40 +50,33 @@ surface is closed and oriented, with right-hand normals from active to inactive.
 
 References
 ----------
-1. B. R. Schlei, "Volume-Enclosing Surface Extraction". Sections II.B and II.C, Figs. 2 to 7 (the
-   algorithm), II.D, Figs. 8, 9 and 14 (triangles), II.E, Figs. 10 to 13 (mixed mode), III.B
-   (displacement, the average at a POA).
+[1] B. R. Schlei, "Volume-Enclosing Surface Extraction". Sections II.B and II.C, Figs. 2 to 7 (the
+    algorithm), II.D, Figs. 8, 9 and 14 (triangles), II.E, Figs. 10 to 13 (mixed mode), III.B
+    (displacement, the average at a POA).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import pairwise, product
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.diconex import (
-    Border,
-    Mode,
-    as_field,
-    average_is_active,
-    between,
-    check_choice,
-    connects,
-    framed,
-)
-from isoref.field import Array, Booleans, Field, Floats, Integers
+from isoref.cycles import Triangle, fan
+from isoref.diconex import Border, Mode, as_field, check_choice, connects
+from isoref.field import Field, Floats, Integers, check_isovalue, inside_samples
 from isoref.mesh import Mesh
+from isoref.sweep import crossing_parameter
 
 Resolution = Literal["L", "H"]
 Voxel = tuple[int, int, int]
 Face = tuple[Voxel, int]
+Path = tuple[Voxel, int, int]
 Cycles = dict[int, Integers]
-Decide = Callable[[Integers, Integers, Integers, Integers], Booleans]
 
 SIX_SURFACES: tuple[tuple[Mode, Resolution], ...] = tuple(
     product(get_args(Mode), get_args(Resolution))
@@ -129,33 +127,53 @@ class Surface:
     def mesh(self, resolution: Resolution = "L") -> Mesh:
         """The cycles cut into triangles, section II.D.
 
-        ``"L"`` adds no point to a cycle of up to seven; ``"H"`` adds the average of its points to
-        every cycle of more than three. Cycles of 8, 9 and 12 always take their average: most of
-        them cannot do without (see `fan_start`), and Table III's counts imply it.
+        Parameters
+        ----------
+        resolution : ``"L"`` adds no point to a cycle of up to seven; ``"H"`` adds the average of
+            its points to every cycle of more than three. Cycles of 8, 9 and 12 always take their
+            average: most of them cannot do without (see `fan_start`), and Table III's counts
+            imply it.
+
+        Raises
+        ------
+        ValueError
+            for another resolution.
         """
         check_choice("resolution", resolution, get_args(Resolution))
-        vertices, triangles = [self.points], [np.empty((0, 3), np.int64)]
-        count = len(self.points)
+        vertices = list(self.points)
+        triangles: list[Triangle] = []
         for length, rows in self.cycles.items():
-            if length > 7 or (resolution == "H" and length > 3):
-                vertices.append(self.points[rows].mean(axis=1))
-                triangles.append(_spokes(rows, count))
-                count += len(rows)
-            else:
-                triangles.append(_fan(rows, fan_start(self.centres[rows])))
-        return Mesh.of(np.concatenate(vertices), np.concatenate(triangles))
+            for row in rows.tolist():
+                if length > 7 or (resolution == "H" and length > 3):
+                    # Join each side of the polygon to the average of its points.
+                    triangles += fan(tuple(row), len(vertices))
+                    vertices.append(self.points[row].mean(axis=0))
+                else:
+                    # Join each side to one of its points.
+                    start = fan_start(self.centres[row])
+                    first, *others = row[start:] + row[:start]
+                    triangles += [(first, a, b) for a, b in pairwise(others)]
+        if not triangles:
+            return Mesh(self.points, np.empty((0, 3), np.int64))
+        return Mesh.of(vertices, triangles)
 
     @cached_property
     def normals(self) -> dict[int, Floats]:
         """N -> (n, 3) the sum of the outward normals of a cycle's triangles, eq. 1.
 
-        Half the sum of the cross products of neighbours: it is the same for every way to cut the
-        cycle into triangles, so it needs none.
+        In the square of the points' unit: a normal is as long as its triangle's area. Half the sum
+        of the cross products of neighbours is the same for every way to cut the cycle into
+        triangles, so it needs none.
         """
         sums = {}
         for length, rows in self.cycles.items():
-            spoke = self.points[rows] - self.points[rows[:, :1]]
-            sums[length] = 0.5 * np.cross(spoke, np.roll(spoke, -1, axis=1)).sum(axis=1)
+            spokes = [[self.points[i] - self.points[row[0]] for i in row] for row in rows]
+            sums[length] = np.array(
+                [
+                    0.5 * sum((np.cross(a, b) for a, b in pairwise(cycle)), np.zeros(3))
+                    for cycle in spokes
+                ]
+            )
         return sums
 
 
@@ -168,9 +186,9 @@ def vesta(
     border: Border = "open",
     displaced: bool = True,
 ) -> Mesh:
-    """The VESTA surface of a field as triangles.
+    """The VESTA surface of a field as triangles, normals from active to inactive.
 
-    Parameters are those of `extract`; `resolution` is that of `Surface.mesh`.
+    Parameters and errors are those of `extract`; `resolution` is that of `Surface.mesh`.
 
     >>> vesta(np.ones((1, 1, 1)), 0.5, border="closed")
     Mesh(6 vertices in R^3, 8 simplices of dimension 2)
@@ -191,6 +209,7 @@ def extract(
     Parameters
     ----------
     values : (N1, N2, N3) array or a `Field` of dimension 3
+    isovalue : in the unit of the samples
     mode : at a point of ambiguity, keep the active voxels apart, join them, or (``"mixed"``)
         join them where the average of the four voxels is active
     border : ``"open"`` drops the cycles that reach beyond the outermost samples; ``"closed"``
@@ -212,183 +231,136 @@ def extract(
     >>> extract(two, 0.5, mode="connect", border="closed").lengths
     {3: 12, 6: 2}
     """
-    field, alpha, active = framed(values, isovalue, 3, mode, border)
-    faces = Faces.of(active)
-    successor = successors(faces, active, _decider(mode, field.values, alpha))
-    cycles = {length: paths // 4 for length, paths in cycles_of(successor).items()}
-    surface = Surface(_points(faces, field, alpha, displaced), faces.centres, cycles)
-    return surface if border == "closed" else _without(surface, faces.outer)
+    # Find the boundary faces of the active voxels, section II.B.
+    field, alpha = as_field(values, 3), check_isovalue(isovalue)
+    check_choice("mode", mode, get_args(Mode))
+    check_choice("border", border, get_args(Border))
+    inside = inside_samples(field, alpha)
+    grey = {v: float(field.values[v]) - alpha for v in voxels(field.shape)}
+    active = {v for v in grey if inside[v]}
+    faces = [(v, r) for v in active for r in range(6) if neighbour(v, r) not in active]
+    faces.sort(key=lower_voxel_and_axis)
+
+    # Follow the paths, section II.C.
+    cycles = trace(faces, active, grey, mode)
+
+    # Leave out the cycles that reach beyond the samples.
+    if border == "open":
+        inner = {face for face in faces if neighbour(*face) in grey}
+        cycles = [cycle for cycle in cycles if inner.issuperset(cycle)]
+        faces = [face for face in faces if face in inner]
+
+    # Place the points, and gather the cycles by length.
+    places = [place(face, grey) if displaced else centre(face) / 2 for face in faces]
+    number = {face: n for n, face in enumerate(faces)}
+    rows = [[number[face] for face in cycle] for cycle in cycles]
+    return Surface(
+        field.position(np.array(places).reshape(-1, 3)),
+        np.array([centre(face) for face in faces], np.int64).reshape(-1, 3),
+        {
+            length: np.array([row for row in rows if len(row) == length], np.int64)
+            for length in sorted({len(row) for row in rows})
+        },
+    )
 
 
-@dataclass(frozen=True, eq=False)
-class Faces:
-    """The boundary faces of the active voxels, in the order of their lower voxel and axis.
+def voxels(shape: tuple[int, ...]) -> Iterator[Voxel]:
+    """The index of each voxel, in C order.
 
-    Voxels are named by their flat index in the framed volume.
-
-    Attributes
-    ----------
-    shape : of the framed volume
-    keys : (F,) three times the lower of the face's two voxels, plus the axis; ascending
-    voxel : (F,) the active voxel
-    direction : (F,) the range direction r
+    >>> list(voxels((1, 2, 1)))
+    [(0, 0, 0), (0, 1, 0)]
     """
-
-    shape: tuple[int, ...]
-    keys: Integers
-    voxel: Integers
-    direction: Integers
-
-    @classmethod
-    def of(cls, active: Booleans) -> Faces:
-        """All boundary faces of a framed volume, section II.B."""
-        flat = active.ravel()
-        keys = np.sort(np.concatenate([_crossings(flat, a, active.shape) for a in range(3)]))
-        lower, axis = np.divmod(keys, 3)
-        upward = flat[lower]
-        step = strides(active.shape)
-        voxel = np.where(upward, lower, lower + step[2 * axis])
-        return cls(active.shape, keys, voxel, 2 * axis + ~upward)
-
-    def find(self, voxel: Integers, direction: Integers) -> Integers:
-        """The numbers of the faces of these voxels in these directions, which must exist."""
-        lower = voxel + np.minimum(strides(self.shape), 0)[direction]
-        return np.searchsorted(self.keys, 3 * lower + direction // 2)
-
-    @cached_property
-    def centres(self) -> Integers:
-        """(F, 3) the centres, twice the index in the volume without its frame."""
-        doubled: Integers = 2 * self.indices(self.voxel) + DIRECTIONS[self.direction]
-        return doubled
-
-    @cached_property
-    def outer(self) -> Booleans:
-        """(F,) whether the inactive voxel lies in the frame."""
-        top = 2 * np.array(self.shape) - 5
-        outside: Booleans = np.any((self.centres < 0) | (self.centres >= top), axis=1)
-        return outside
-
-    def indices(self, voxel: Integers) -> Integers:
-        """(.., 3) the index of each voxel in the volume without its frame."""
-        i, j, k = np.unravel_index(voxel, self.shape)
-        return np.stack([i - 1, j - 1, k - 1], axis=-1)
+    n1, n2, n3 = shape
+    return product(range(n1), range(n2), range(n3))
 
 
-def _crossings(flat: Booleans, axis: int, shape: tuple[int, ...]) -> Integers:
-    """The keys of the faces across one axis.
+def neighbour(v: Voxel, d: int) -> Voxel:
+    """The voxel one step from v in direction d.
 
-    Whatever wraps round from the end of one row to the start of the next is frame and frame.
+    >>> neighbour((4, 4, 4), 3)
+    (4, 3, 4)
     """
-    step = strides(shape)[2 * axis]
-    return 3 * np.flatnonzero(flat[:-step] != flat[step:]) + axis
+    i, j, k = DIRECTIONS[d].tolist()
+    return (v[0] + i, v[1] + j, v[2] + k)
 
 
-def strides(shape: tuple[int, ...]) -> Integers:
-    """(6,) what to add to a flat index to go one voxel in each direction.
+def centre(face: Face) -> Integers:
+    """(3,) the centre of a face, twice its index."""
+    v, r = face
+    doubled: Integers = 2 * np.array(v) + DIRECTIONS[r]
+    return doubled
 
-    >>> strides((9, 4, 10))
-    array([ 40, -40,  10, -10,   1,  -1])
+
+def lower_voxel_and_axis(face: Face) -> tuple[Voxel, int]:
+    """The key that orders faces: the lower of the two voxels at the face, and the face's axis."""
+    v, r = face
+    return min(v, neighbour(v, r)), r // 2
+
+
+def trace(
+    faces: list[Face], active: set[Voxel], grey: dict[Voxel, float], mode: Mode
+) -> list[list[Face]]:
+    """The closed cycles as lists of faces, each begun at its first path, in order of these.
+
+    Each face has four paths, and each path is on one cycle: so follow any path that is left over
+    until it comes back.
     """
-    steps: Integers = DIRECTIONS @ [shape[1] * shape[2], shape[2], 1]
-    return steps
-
-
-def successors(faces: Faces, active: Booleans, decide: Decide) -> Integers:
-    """(4 F,) the path that follows each path, a permutation.
-
-    Path ``4 f + k`` lies on face f, begins at juncture k + 1 and ends at juncture k.
-    """
-    successor = np.empty((len(faces.keys), 4), np.int64)
-    for k in range(4):
-        face, juncture = _across(faces, JUNCTURES[faces.direction, k], active.ravel(), decide)
-        # Go on along the path that begins at the juncture.
-        path = (RANK[faces.direction[face], juncture] - 1) % 4
-        successor[:, k] = 4 * face + path
-    return successor.ravel()
-
-
-def _across(
-    faces: Faces, d: Integers, active: Booleans, decide: Decide
-) -> tuple[Integers, Integers]:
-    """The face met at juncture d of each face, and the juncture's direction seen from there."""
-    v, r, step = faces.voxel, faces.direction, strides(faces.shape)
-    w, p = v + step[r], v + step[d]
-    q = w + step[d]
-    concave, flat = active[q], active[p]
-    # Settle the points of ambiguity: the voxels v and q touch in an edge alone.
-    poa = np.flatnonzero(concave & ~flat)
-    concave[poa] = decide(v[poa], q[poa], w[poa], p[poa])
-    flat &= ~concave
-    voxel = np.where(concave, q, np.where(flat, p, v))
-    direction = np.where(concave, d ^ 1, np.where(flat, r, d))
-    juncture = np.where(concave, r ^ 1, np.where(flat, d ^ 1, r))
-    return faces.find(voxel, direction), juncture
-
-
-def _decider(mode: Mode, values: Array, alpha: float) -> Decide:
-    """Whether to connect v and q at points of ambiguity, from the voxels v, q, w, p."""
-
-    def decide(v: Integers, q: Integers, w: Integers, p: Integers) -> Booleans:
-        if mode != "mixed":
-            return np.full(len(v), mode == "connect")
-        framed = tuple(n + 2 for n in values.shape)
-        index = (np.unravel_index(voxel, framed) for voxel in (v, q, w, p))
-        grey = (values[i - 1, j - 1, k - 1].astype(np.float64) - alpha for i, j, k in index)
-        return average_is_active(*grey)
-
-    return decide
-
-
-def cycles_of(successor: Integers) -> Cycles:
-    """The cycles of a permutation by length, each row begun at its smallest member.
-
-    Walks on from every member at once, and drops a walk when it meets a member smaller than its
-    start: that cycle is found from there.
-
-    >>> {n: rows.tolist() for n, rows in cycles_of(np.array([2, 1, 4, 5, 0, 3])).items()}
-    {1: [[1]], 2: [[3, 5]], 3: [[0, 2, 4]]}
-    """
-    start = np.arange(len(successor))
-    here, length, cycles = start, 0, {}
-    while len(start):
-        here, length = successor[here], length + 1
-        closed = start[here == start]
-        if len(closed):
-            cycles[length] = _rows(successor, closed, length)
-        going = np.flatnonzero(here > start)
-        start, here = start[going], here[going]
+    waiting = {(v, r, k) for v, r in faces for k in range(4)}
+    cycles = []
+    for path in ((v, r, k) for v, r in faces for k in range(4)):
+        cycle = []
+        while path in waiting:
+            waiting.remove(path)
+            v, r, _ = path
+            cycle.append((v, r))
+            path = successor(path, active, grey, mode)
+        if cycle:
+            cycles.append(cycle)
     return cycles
 
 
-def _rows(successor: Integers, start: Integers, length: int) -> Integers:
-    """(n, length) the members of each cycle, in order."""
-    columns = [start]
-    while len(columns) < length:
-        columns.append(successor[columns[-1]])
-    return np.stack(columns, axis=1)
+def successor(path: Path, active: set[Voxel], grey: dict[Voxel, float], mode: Mode) -> Path:
+    """The path (v, r, k) that follows a path; see the table in the module's text.
+
+    Path k of a face begins at its juncture k + 1 and ends at its juncture k. `grey` has the values
+    minus the isovalue.
+    """
+    # Look at the four voxels at the juncture where the path ends.
+    v, r, k = path
+    d = int(JUNCTURES[r, k])
+    w, p = neighbour(v, r), neighbour(v, d)
+    q = neighbour(w, d)
+
+    # Choose the face on which to go on, and the juncture at which it is entered.
+    in_plane, convex, concave = (p, r, d ^ 1), (v, d, r), (q, d ^ 1, r ^ 1)
+    if p in active:
+        voxel, face, entry = concave if q in active else in_plane
+    elif q not in active:
+        voxel, face, entry = convex
+    else:
+        # Decide the point of ambiguity.
+        joined = connects(mode, *(grey[voxel] for voxel in (v, q, w, p)))
+        voxel, face, entry = concave if joined else convex
+
+    # Take the path of that face which begins there.
+    return voxel, face, int(RANK[face, entry] - 1) % 4
 
 
-def _points(faces: Faces, field: Field, alpha: float, displaced: bool) -> Floats:
-    """(F, 3) positions of the support points, as in Fig. 2d."""
-    place = 0.5 * faces.centres
-    if displaced:
-        inner = np.flatnonzero(~faces.outer)
-        # The lower voxel lies half a voxel below the centre, which has one odd coordinate.
-        lower, step = np.divmod(faces.centres[inner], 2)
-        place[inner] = between(field.values, alpha, lower, step)
-    return field.position(place)
+def place(face: Face, grey: dict[Voxel, float]) -> Floats:
+    """(3,) the index of a face's support point, where the field takes the isovalue (Fig. 2d).
+
+    A face on the border of the volume has no value on its outer side, and keeps its centre.
+    """
+    lower, axis = lower_voxel_and_axis(face)
+    upper = neighbour(lower, 2 * axis)
+    if lower not in grey or upper not in grey:
+        return np.asarray(centre(face) / 2)
+    t = crossing_parameter(np.array([grey[lower]]), np.array([grey[upper]]))
+    return np.asarray(np.array(lower) + t * DIRECTIONS[2 * axis])
 
 
-def _without(surface: Surface, outer: Booleans) -> Surface:
-    """The surface without the cycles that visit a point marked `outer`."""
-    number = np.cumsum(~outer) - 1
-    kept = {n: number[rows[~outer[rows].any(axis=1)]] for n, rows in surface.cycles.items()}
-    cycles = {n: rows for n, rows in kept.items() if len(rows)}
-    return Surface(surface.points[~outer], surface.centres[~outer], cycles)
-
-
-def fan_start(centres: Integers) -> Integers:
-    """(n,) where in its cycle a fan of triangles may start, for (n, N, 3) doubled centres.
+def fan_start(centres: Integers) -> int:
+    """Where in its cycle a fan of triangles may start, for (N, 3) doubled centres.
 
     The first point from which no chord is short. A chord of at most one voxel between unmoved
     points joins two faces of one voxel edge: it lies in the square of the four voxels round that
@@ -398,86 +370,11 @@ def fan_start(centres: Integers) -> Integers:
     Raises
     ------
     ValueError
-        where no point of a cycle will do.
+        where no point of the cycle will do.
     """
-    n, N = centres.shape[:2]
-    start, undecided = np.zeros(n, np.int64), np.arange(n)
+    N = len(centres)
     for first in range(N):
-        corners = np.roll(centres[undecided], -first, axis=1)
-        chords = corners[:, 2 : N - 1] - corners[:, :1]
-        short = ((chords**2).sum(axis=2) <= 4).any(axis=1)
-        start[undecided[~short]] = first
-        undecided = undecided[short]
-    if len(undecided):
-        raise ValueError(f"a cycle of {N} points has no fan without a short chord")
-    return start
-
-
-def _fan(rows: Integers, start: Integers) -> Integers:
-    """The triangles (c0, ci, ci+1) of each cycle, turned to begin at `start`."""
-    N = rows.shape[1]
-    turned = np.take_along_axis(rows, (start[:, None] + np.arange(N)) % N, axis=1)
-    fan = np.stack([turned[:, [0, i, i + 1]] for i in range(1, N - 1)], axis=1)
-    return fan.reshape(-1, 3)
-
-
-def _spokes(rows: Integers, first: int) -> Integers:
-    """The triangles (ci, ci+1, average) of each cycle, its average numbered from `first` on."""
-    n, N = rows.shape
-    average = np.broadcast_to(first + np.arange(n)[:, None], (n, N))
-    return np.stack([rows, np.roll(rows, -1, axis=1), average], axis=2).reshape(-1, 3)
-
-
-# The same cycles, one path at a time: for reading, and to hold the arrays above to it.
-
-
-def cycles_plainly(
-    values: ArrayLike | Field, isovalue: float, mode: Mode = "mixed"
-) -> list[list[Face]]:
-    """The closed cycles as lists of faces (voxel, r), each begun at its smallest path.
-
-    >>> sorted(len(cycle) for cycle in cycles_plainly(np.ones((1, 1, 2)), 0.5))
-    [3, 3, 3, 3, 3, 3, 3, 3, 4, 4, 4, 4]
-    """
-    field = as_field(values, 3)
-    grey = {(int(i), int(j), int(k)): float(x) for (i, j, k), x in np.ndenumerate(field.values)}
-    active = {voxel for voxel, x in grey.items() if x >= isovalue}
-    waiting = {
-        (v, r, k) for v in active for r in range(6) for k in range(4)
-        if _neighbour(v, r) not in active
-    }  # fmt: skip
-    cycles = []
-    for path in sorted(waiting):
-        cycle = []
-        while path in waiting:
-            waiting.remove(path)
-            v, r, k = path
-            cycle.append((v, r))
-            v, r, juncture = _over(v, r, int(JUNCTURES[r, k]), active, grey, isovalue, mode)
-            path = (v, r, int(RANK[r, juncture] - 1) % 4)
-        if cycle:
-            cycles.append(cycle)
-    return cycles
-
-
-def _neighbour(voxel: Voxel, direction: int) -> Voxel:
-    """The voxel one step away."""
-    i, j, k = DIRECTIONS[direction].tolist()
-    return (voxel[0] + i, voxel[1] + j, voxel[2] + k)
-
-
-def _over(
-    v: Voxel, r: int, d: int, active: set[Voxel], grey: dict[Voxel, float], isovalue: float,
-    mode: Mode,
-) -> tuple[Voxel, int, int]:  # fmt: skip
-    """The face (voxel, r) met at juncture d of face (v, r), and the juncture seen from there."""
-    w, p = _neighbour(v, r), _neighbour(v, d)
-    q = _neighbour(w, d)
-    in_plane, convex, concave = (p, r, d ^ 1), (v, d, r), (q, d ^ 1, r ^ 1)
-    if p in active:
-        return concave if q in active else in_plane
-    if q not in active:
-        return convex
-    # Decide a point of ambiguity.
-    joined = connects(mode, *(grey[voxel] - isovalue for voxel in (v, q, w, p)))
-    return concave if joined else convex
+        chords = [centres[(first + i) % N] - centres[first] for i in range(2, N - 1)]
+        if all(chord @ chord > 4 for chord in chords):
+            return first
+    raise ValueError(f"a cycle of {N} points has no fan without a short chord")

@@ -3,7 +3,7 @@ import time
 
 import numpy as np
 import pytest
-from stopwatch import interleave, peak_memory
+from stopwatch import interleave, machine_state, peak_memory
 
 
 def test_contestants_take_turns() -> None:
@@ -12,13 +12,24 @@ def test_contestants_take_turns() -> None:
     timings = interleave({"a": lambda: order.append("a"), "b": lambda: order.append("b")}, 3)
     assert order == ["a", "b"] * 4
     assert [t.name for t in timings] == ["a", "b"]
-    assert timings[0].ratios == (1.0, 1.0, 1.0)
+    assert timings[0].ratio == 1.0
+    assert all(len(timing.seconds) == 3 for timing in timings)
 
 
 def test_a_slower_contestant_has_a_ratio_above_one() -> None:
-    """The ratio is taken to the first contestant, round by round."""
+    """The ratio is that of the medians beside it, so that a reader can check it."""
     fast, slow = interleave({"f": lambda: time.sleep(0.002), "s": lambda: time.sleep(0.02)}, 3)
     assert slow.ratio > fast.ratio == 1.0
+    assert slow.ratio == slow.median / fast.median
+    assert slow.shown(3).startswith(f"{slow.median:.3f} ({min(slow.seconds):.3f} to ")
+
+
+def test_the_state_of_the_machine_names_versions_and_load() -> None:
+    """Every report of a benchmark begins with it."""
+    state = machine_state("VTK 9")
+    assert np.__version__ in state
+    assert f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors" in state
+    assert "VTK 9" in state
 
 
 def test_no_contestants_is_an_error() -> None:

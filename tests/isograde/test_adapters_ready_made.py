@@ -22,6 +22,8 @@ from scipy.interpolate import RegularGridInterpolator
 # Volume of the ball of `isograde.adapters.measure`, radius sqrt(3), in samples of 1 x 2 x 3.
 VOLUME = 6 * 4 / 3 * np.pi * 3**1.5
 CLOSED = {"trimesh", "manifold3d"}
+# Their surfaces end in the border layer of cells.
+INSET = {"isoref:surface-nets", "isoref:dual-marching-cubes"}
 SMALL_ONLY = {"pymeshlab"}
 # Wrong answers known to us; one that has been mended fails the test, to be taken off the list.
 MISREAD = {("pymcubes", ">i4")}
@@ -95,12 +97,16 @@ def test_answers_arrive_closed_in_place_and_facing_outwards(adapter: PythonAdapt
     """The inscribed mesh of a ball, or the blocks round its samples, off by its coarseness."""
     import trimesh
 
-    field = ball()
-    outcome = ask(adapter, Field.of(field.values, field.spacing, (9, 8, 7)), 1.0)
+    field, origin = ball(), np.array([9.0, 8, 7])
+    values = field.values
+    if adapter.spec in INSET:
+        values, origin = np.pad(values, 1, mode="edge"), origin - field.spacing
+    outcome = ask(adapter, Field.of(values, field.spacing, origin.tolist()), 1.0)
     assert outcome.mesh is not None, outcome.detail
     solid = trimesh.Trimesh(outcome.mesh.vertices, outcome.mesh.simplices)
     assert solid.is_watertight
-    assert solid.volume == pytest.approx(VOLUME, rel=0.3)
+    # A dual surface lies up to 0.4 / R within (design): 1.2 / R^2 of the volume, and R^2 is 3 here.
+    assert solid.volume == pytest.approx(VOLUME, rel=0.4 if adapter.spec in INSET else 0.3)
     centre = (np.array([2.1, 2.4, 3.2]) * field.spacing) + (9, 8, 7)
     assert solid.center_mass == pytest.approx(centre, abs=0.7)
 

@@ -21,7 +21,8 @@ from isograde.model import (
 )
 from isograde.oracles import planar
 from isograde.oracles.planar import Points
-from isoref import diconex as reference
+from isoref.diconex import Contours
+from isoref.fast import diconex as reference
 from isoref.field import Field
 from matplotlib.path import Path
 
@@ -95,7 +96,7 @@ def deciding(joins: Callable[[Any], bool]) -> Extract:
         follow = reference.successors(vectors, active, joined)
         plain = reference.diconex(field, isovalue, border="closed")
         outer = reference._reaches_outside(vectors, field.shape)
-        return reference._without(reference.Contours(plain.points, follow), outer).polygons()
+        return reference._without(Contours(plain.points, follow), outer).polygons()
 
     return extract
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import isoref.marching_faces
+import isoref.fast.marching_faces
 import numpy as np
 import pytest
 from isograde.adapters import curve_methods, open_adapter
@@ -14,8 +14,9 @@ from isograde.disciplines.curves.cases import COARSE
 from isograde.disciplines.polylines import complaint, unstacked
 from isograde.model import Declaration, Finding, Limits, Request
 from isograde.oracles.space_curves import Points, is_closed
+from isoref.fast.marching_faces import intersection_curves
 from isoref.field import Field
-from isoref.marching_faces import FaceRule, intersection_curves
+from isoref.marching_faces import FaceRule
 
 from tests.isograde.judging import Here, grade
 
@@ -41,7 +42,7 @@ def faults(function: Extract, only: tuple[str, ...] = ()) -> dict[str, set[str]]
     return found
 
 
-reference = curve_methods._reference(isoref.marching_faces)
+reference = curve_methods._reference(isoref.fast.marching_faces)
 
 
 def changed(change: Change) -> Extract:
@@ -73,7 +74,7 @@ declaration = {"name": "mine", "discipline": "curves"}
 
 def extract_curves(values_a, values_b, isovalue_a, isovalue_b, spacing):
     from isoref.field import Field
-    from isoref.marching_faces import intersection_curves
+    from isoref.fast.marching_faces import intersection_curves
     fields = Field.of(values_a, spacing), Field.of(values_b, spacing)
     return [c.polyline for c in intersection_curves(*fields, (isovalue_a, isovalue_b))]
 """

@@ -27,7 +27,7 @@ def contours(values, isovalue, spacing):
 
 def curves(a, b, isovalue_a, isovalue_b, spacing):
     from isograde.adapters.curve_methods import _reference
-    from isoref import marching_faces
+    from isoref.fast import marching_faces
     found = _reference(marching_faces)(a, b, isovalue_a, isovalue_b, spacing)
     return [line[: max(2, len(line) - 1)] for line in found]
 

@@ -23,10 +23,10 @@ from isograde.model import (
 )
 from isograde.runner import Task, Worker
 from isoref import asymptotic_decider, cube, lorensen_cline
+from isoref.fast.sweep import sweep
 from isoref.field import Field, FieldError, Floats
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep
 
 from tests.isograde import miniatures
 from tests.isograde.miniatures import Inside, Miniature, asymptotic, made, star

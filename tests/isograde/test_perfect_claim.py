@@ -12,9 +12,10 @@ from isograde.claims.cycles import MODES
 from isograde.model import Case, Declaration, Finding, Verdict
 from isograde.runner import Task, Worker
 from isograde.variants import pose
+from isoref.fast.vesta import extract
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
-from isoref.vesta import SIX_SURFACES, extract
+from isoref.vesta import SIX_SURFACES
 
 from tests.isograde import miniatures
 from tests.isograde.miniatures import Answer, Function, Inside, Miniature, changed, made

@@ -12,11 +12,11 @@ from isograde.proof import Proof, corner_place, node_place, prove, tears_by_face
 from isoref.asymptotic_decider import RULE as ASYMPTOTIC
 from isoref.cube import ambiguous_faces
 from isoref.cycles import ALL_JOINED, cycles
+from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats, Integers
 from isoref.lorensen_cline import RULE as LORENSEN_CLINE
 from isoref.methods import RULES
 from isoref.rule import Average, Rule, Tile
-from isoref.sweep import sweep
 from typer.testing import CliRunner
 
 

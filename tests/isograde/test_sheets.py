@@ -10,9 +10,9 @@ from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_grid import active_cells
 from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
 from isoref.rule import Rule, Tile
-from isoref.sweep import sweep
 from skimage.measure import marching_cubes
 
 

@@ -89,8 +89,10 @@ def test_a_flat_triangle_belongs_to_either_side() -> None:
     lattice = Lattice.of(field, 0.0)
     places = np.array([[0, 0.5, 0], [0, 0, 0.5], [0, 1, 0.5], [0, 0.5, 1]])
     found = traces(lattice, places, np.array([[0, 1, 2]]))
-    assert found.flat[0] != 0
     assert found.code[0] == 0
+    assert found.lying.triangle.tolist() == [0]
+    assert found.lying.below.tolist() == [-2]
+    assert found.lying.above.tolist() == [0]
 
 
 def test_a_flat_triangle_is_seen_from_both_sides_alike() -> None:
@@ -98,11 +100,13 @@ def test_a_flat_triangle_is_seen_from_both_sides_alike() -> None:
     values = np.random.default_rng(0).normal(size=(2, 2, 3))
     values[..., 1] = [[1, -1], [-1, 1]]
     lattice = Lattice.of(Field.of(values), 0.0)
-    places = np.array([[0, 0.5, 1], [0.5, 0, 1], [1, 0.5, 1]])
-    found = traces(lattice, places, np.array([[0, 1, 2]]))
-    lower, upper = (int(bits) for bits in found.flat)
+    places = np.array([[0, 0.5, 1], [0.5, 0, 1], [1, 0.5, 1], [0.5, 0.5, 0.5], [0.5, 0.5, 1.5]])
+    inner = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 4], [1, 2, 4], [2, 0, 4]]
+    found = traces(lattice, places, np.array([[0, 1, 2], *inner]))
+    lower, upper = (int(code) for code in found.code)
     assert upper.bit_count() == 3
     assert lower == upper << 6
+    assert found.lying.bits.tolist() == [upper >> 24]
 
 
 def test_what_lies_outside_the_volume_is_not_looked_at() -> None:

@@ -14,10 +14,12 @@ from isograde.cases import nielson_hamann
 from isograde.cases.volumes import block
 from isoref import asymptotic_decider as decider
 from isoref import cube, cycles
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Booleans, Field, Floats
 from isoref.mesh import Mesh
 from isoref.rule import Tile
-from isoref.sweep import cell_crossings, sweep, sweep_plain
+from isoref.sweep import cell_crossings
+from isoref.sweep import sweep as sweep_plain
 from scipy import ndimage
 
 E, V = decider.PAPER_EDGES, decider.PAPER_CORNERS

@@ -2,7 +2,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isoref.field import Field, FieldError
+from isoref.field import Field, FieldError, inside_samples, least_inside
 
 
 @pytest.mark.parametrize(
@@ -46,3 +46,16 @@ def test_a_scalar_field_has_one_component() -> None:
     """However many samples it has along its first axis."""
     field = Field.of(np.zeros((3, 4)))
     assert (field.components, field.shape, field.dimension) == (1, (3, 4), 2)
+
+
+def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
+    """The convention is value >= isovalue, compared exactly and not in the samples' precision."""
+    for kind in (np.float16, np.float32, np.float64):
+        middle = kind(0.3)
+        samples = np.array(
+            [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
+        )
+        exact = [float(s) >= 0.3 for s in samples]
+        assert (samples >= least_inside(samples.dtype, 0.3)).tolist() == exact
+    mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
+    assert mask.tolist() == [False, False, False, True, True]

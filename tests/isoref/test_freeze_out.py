@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from isoref.fast.vesta import extract
 from isoref.field import Field, Floats
 from isoref.freeze_out import (
     contour_stack,
@@ -12,7 +13,7 @@ from isoref.freeze_out import (
     physical_triangles,
     triangle_elements,
 )
-from isoref.vesta import SIX_SURFACES, extract
+from isoref.vesta import SIX_SURFACES
 
 
 def ball(n: int) -> Field:

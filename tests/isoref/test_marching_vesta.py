@@ -12,6 +12,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from isoref import cycles as general
 from isoref.cube import CORNERS, ambiguous_faces, corner_at
 from isoref.diconex import Mode
+from isoref.fast.sweep import sweep
 from isoref.field import Field, Integers
 from isoref.marching_vesta import (
     CENTRES,
@@ -25,7 +26,7 @@ from isoref.marching_vesta import (
     rule,
 )
 from isoref.mesh import Mesh
-from isoref.sweep import sweep, sweep_plain
+from isoref.sweep import sweep as sweep_plain
 from isoref.vesta import SIX_SURFACES, Resolution, extract
 
 MODES = get_args(Mode)

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from isograde.oracles import simplices as oracle
 from isoref import Field, FieldError, Mesh
+from isoref.fast.marching_faces import intersection_curves
 from isoref.kuhn import interpolate, lattice_simplices
-from isoref.marching_faces import intersection_curves
 from isoref.simplex_section import RULES
 from isoref.simplicial import (
     extract,

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from isograde.oracles.space_curves import KNOWN, KnownCurves, knot_determinant, linking_numbers
-from isoref import lorensen_cline, marching_faces
+from isoref import lorensen_cline
 from isoref import surface_intersection as surface_intersection_module
 from isoref.curves import Curve, real_and_imaginary
+from isoref.fast import marching_faces
 from isoref.field import Field, FieldError, Floats
 from isoref.mesh import Mesh
 from isoref.plane_waves import random_waves

@@ -1,159 +1,56 @@
-from collections.abc import Callable
+"""The sweep: where vertices stand, which are one, and what is refused."""
 
-import isoref.sweep
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
-from isoref.field import Array, Field, FieldError
-from isoref.mesh import Mesh
+from isoref.cube import crossed_edges
+from isoref.field import Field, FieldError
 from isoref.methods import RULES
-from isoref.rule import Rule
 from isoref.sweep import (
+    cell_crossings,
     crossing_parameter,
-    inside_samples,
-    least_inside,
+    lattice_edge,
     sweep,
-    sweep_plain,
     sweep_with_cells,
 )
 
 
-def assert_same(a: Mesh, b: Mesh) -> None:
-    """Both meshes are equal, number for number, up to the numbering of vertices."""
-    a, b = a.canonical(), b.canonical()
-    assert np.array_equal(a.vertices, b.vertices)
-    assert np.array_equal(a.simplices, b.simplices)
+def test_a_lattice_edge_has_one_name_in_all_cells_around_it() -> None:
+    """Weld rule: 12 edges of 27 cells are the 3 * 3 * 4 * 4 edges of a lattice of 4^3 samples."""
+    names = [lattice_edge(cell, e) for cell in np.ndindex(3, 3, 3) for e in range(12)]
+    assert len(set(names)) == 3 * 3 * 4 * 4
+    assert max(names.count(name) for name in set(names)) == 4
 
 
-def corners(mesh: Mesh) -> list[list[float]]:
-    """The nine coordinates of each triangle's corners."""
-    listed: list[list[float]] = mesh.vertices[mesh.simplices].reshape(-1, 9).tolist()
-    return listed
+def test_there_is_one_vertex_on_each_crossed_lattice_edge() -> None:
+    """Counted from the samples alone; the rule of 1987 has no interior points."""
+    values = np.random.default_rng(5).normal(size=(4, 5, 3))
+    inside = values >= 0.2
+    crossed = sum(int((np.diff(inside, axis=a) != 0).sum()) for a in range(3))
+    assert len(sweep(RULES["lorensen-cline"], Field.of(values), 0.2).vertices) == crossed > 50
 
 
-@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
-@pytest.mark.parametrize("shape", [(2, 2, 2), (3, 2, 2), (5, 6, 7), (4, 9, 3)])
-@pytest.mark.parametrize("slab_points", [10, 130, 1 << 20])
-def test_both_sweeps_give_the_same_mesh_on_noise(
-    rule: Rule, shape: tuple[int, int, int], slab_points: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Every fast path has a plain twin; wherever slabs and blocks of cells are cut."""
-    monkeypatch.setattr(isoref.sweep, "SLAB_POINTS", slab_points)
-    monkeypatch.setattr(isoref.sweep, "BLOCK_CELLS", min(slab_points, 1 << 14))
-    values = np.random.default_rng(7).normal(size=shape)
-    field = Field.of(values, spacing=(1, 2, 0.5), origin=(3, -1, 2))
-    assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
-
-
-@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
-@given(
-    values=hnp.arrays(
-        st.sampled_from([np.uint8, np.int16, np.float32]),
-        st.tuples(*[st.integers(2, 4)] * 3),
-        elements=st.integers(0, 3),
-    ),
-    isovalue=st.sampled_from([0, 1, 1.5, 2, 3, 4]),
-)
-@settings(max_examples=40)
-def test_both_sweeps_put_every_triangle_in_place_with_ties(
-    rule: Rule, values: Array, isovalue: float
-) -> None:
-    """Samples on the isovalue and integer types are no exception.
-
-    Vertices may coincide there, so triangles are compared by their corners' positions.
-    """
-    field = Field.of(values)
-    fast, plain = sweep(rule, field, isovalue), sweep_plain(rule, field, isovalue)
-    assert len(fast.vertices) == len(plain.vertices)
-    assert sorted(map(tuple, corners(fast))) == sorted(map(tuple, corners(plain)))
-
-
-@pytest.mark.parametrize("slab_points", [150, 1 << 20])
-def test_layout_and_byte_order_make_no_difference(
-    slab_points: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The same samples give the same arrays, however they lie in memory."""
-    monkeypatch.setattr(isoref.sweep, "SLAB_POINTS", slab_points)
-    plain = np.random.default_rng(11).normal(size=(7, 9, 10)).astype(np.float32)
-    spread = np.zeros((14, 9, 20), np.float32)
-    spread[::2, :, ::2] = plain
-    rule = RULES["marching-vesta-mixed-H"]
-    mesh = sweep(rule, Field.of(plain), 0.1)
-    for same in (np.asfortranarray(plain), plain.astype(">f4"), spread[::2, :, ::2]):
-        other = sweep(rule, Field.of(same), 0.1)
-        assert np.array_equal(mesh.vertices, other.vertices)
-        assert np.array_equal(mesh.simplices, other.simplices)
-
-
-def test_triangles_come_in_the_order_of_their_cells() -> None:
-    """`sweep_with_cells` names for each triangle the cell that holds its vertices."""
-    values = np.random.default_rng(3).normal(size=(5, 4, 6))
+def test_each_triangle_names_the_cell_it_lies_in() -> None:
+    """In C order over the cells."""
+    values = np.random.default_rng(3).normal(size=(3, 4, 5))
     mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 0.0)
+    assert len(cells) == len(mesh.simplices) > 30
     assert np.all(np.diff(cells) >= 0)
-    low = np.stack(np.unravel_index(cells, (4, 3, 5)), axis=1)[:, None]
+    low = np.stack(np.unravel_index(cells, (2, 3, 4)), axis=1)[:, None]
     points = mesh.vertices[mesh.simplices]
     assert np.all((low <= points) & (points <= low + 1))
 
 
-def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
-    """The convention is value >= isovalue, compared exactly and not in the samples' precision."""
-    for kind in (np.float16, np.float32, np.float64):
-        middle = kind(0.3)
-        samples = np.array(
-            [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
-        )
-        exact = [float(s) >= 0.3 for s in samples]
-        assert (samples >= least_inside(samples.dtype, 0.3)).tolist() == exact
-    mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
-    assert mask.tolist() == [False, False, False, True, True]
-
-
-@pytest.mark.parametrize("isovalue", [-1e9, 1e9, 300])
-def test_an_isovalue_out_of_range_gives_an_empty_mesh(isovalue: float) -> None:
-    """Design: an isovalue outside the range is no error."""
-    field = Field.of(np.arange(8, dtype=np.uint8).reshape(2, 2, 2))
-    mesh = sweep(RULES["asymptotic-decider"], field, isovalue)
-    assert mesh.vertices.shape == (0, 3)
-    assert mesh.simplices.shape == (0, 3)
-
-
-@pytest.mark.parametrize("shape", [(1, 5, 5), (5, 1, 5), (1, 1, 1)])
-def test_a_lattice_one_sample_thick_has_no_cells(shape: tuple[int, int, int]) -> None:
-    """No cell, no surface."""
-    field = Field.of(np.random.default_rng(0).normal(size=shape))
-    for make in (sweep, sweep_plain):
-        assert len(make(RULES["asymptotic-decider"], field, 0).simplices) == 0
-
-
-def test_a_field_that_is_no_volume_is_refused() -> None:
-    """Wrong rank: a clear error."""
-    with pytest.raises(FieldError, match="3-D lattice"):
-        sweep(RULES["asymptotic-decider"], Field.of(np.zeros((3, 3))), 0)
-
-
-def test_an_isovalue_that_is_no_number_is_refused() -> None:
-    """NaN: a clear error."""
-    with pytest.raises(FieldError, match="not finite"):
-        sweep(RULES["asymptotic-decider"], Field.of(np.zeros((3, 3, 3))), float("nan"))
-
-
-@pytest.mark.parametrize("size", [1.7e308, 1e-300, 2.0**-1000])
-@pytest.mark.parametrize("carry", [sweep, sweep_plain])
-def test_vertices_do_not_move_where_values_are_huge_or_tiny(
-    carry: Callable[[Rule, Field, float], Mesh], size: float
-) -> None:
-    """The difference of two samples may overflow: the crossing is still halfway to the sample."""
-    values = np.where(np.indices((3, 4, 3)).sum(axis=0) % 3, -1.0, 1.0) * [1.0, 0.5, 0.25]
-    rule = RULES["asymptotic-decider"]
-    plain = carry(rule, Field.of(values), 0.0)
-    scaled = carry(rule, Field.of(values * size), 0.0)
-    assert len(plain.vertices) > 10
-    assert np.allclose(scaled.vertices, plain.vertices, rtol=0, atol=1e-12)
+def test_crossings_stand_on_the_crossed_edges_alone() -> None:
+    """For every signs, whatever the values."""
+    g = np.random.default_rng(1).normal(size=(8, 400))
+    found = np.asarray(~np.isnan(cell_crossings(g)).all(axis=2))
+    signs = ((g >= 0) * (1 << np.arange(8))[:, None]).sum(axis=0)
+    for n, s in enumerate(signs.tolist()):
+        assert tuple(np.flatnonzero(found[:, n]).tolist()) == crossed_edges(s)
 
 
 def test_the_crossing_of_the_smallest_floats_is_between_them() -> None:
+    """Nothing is halved that has no half."""
     least = np.array([5e-324])
     assert crossing_parameter(-least, least) == 0.5
     assert crossing_parameter(-1.7e308 * least / least, least) == 1.0
@@ -161,5 +58,6 @@ def test_the_crossing_of_the_smallest_floats_is_between_them() -> None:
 
 
 def test_a_difference_beyond_what_a_float_holds_is_refused() -> None:
+    """With a hint what to do."""
     with pytest.raises(FieldError, match="than a float holds"):
         crossing_parameter(np.array([-np.inf]), np.array([1e308]))

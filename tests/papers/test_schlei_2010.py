@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases.volumes import REGISTRY, read
+from isoref.fast.vesta import extract
 from isoref.field import Field, Integers
 from isoref.freeze_out import contour_stack, correspondence_problems
 from isoref.methods import METHODS
-from isoref.vesta import extract
 
 from tests.papers.loading import importer
 

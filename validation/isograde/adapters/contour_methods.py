@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from isoref.diconex import diconex
+from isoref.fast.diconex import diconex
 from isoref.field import Field
 from numpy.typing import NDArray
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 from types import ModuleType
 from typing import Any
 
-import isoref.marching_faces
+import isoref.fast.marching_faces
 import isoref.surface_intersection
 import numpy as np
 from isoref.field import Field
@@ -133,7 +133,7 @@ def _noted(function: Extract, notes: str) -> Extract:
     return function
 
 
-marching_faces = through_adapter(_reference(isoref.marching_faces))
+marching_faces = through_adapter(_reference(isoref.fast.marching_faces))
 surface_intersection = through_adapter(_reference(isoref.surface_intersection))
 vtk = through_adapter(_noted(vtk_contour_twice, "vtkContourFilter twice, vtkStripper"))
 vtk_intersect = through_adapter(

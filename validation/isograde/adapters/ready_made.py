@@ -286,6 +286,13 @@ _DISCONNECT, _CONNECT = "disconnect", "connect"
 # Methods of the reference that promise more than to be consistent.
 _PROMISES = {"asymptotic-decider": 3, "trilinear-cubes": 4}
 
+# What the reference's methods of other families leave out.
+_OTHER_FAMILIES = {
+    "surface-nets": _DUAL,
+    "dual-marching-cubes": _DUAL - {"manifold"},
+    "label-cubes": _LABELS,
+}
+
 READY_MADE: dict[str, ReadyMade] = {
     "skimage:lewiner": ReadyMade(
         "scikit-image",
@@ -374,7 +381,8 @@ READY_MADE: dict[str, ReadyMade] = {
     f"isoref:{name}": ReadyMade(
         "isograde",
         partial(_isoref, name),
-        level=_PROMISES.get(name, 2),
+        level=1 if name == "surface-nets" else _PROMISES.get(name, 2),
+        without=_OTHER_FAMILIES.get(name, frozenset()),
         connectivity=_connectivity(name),
     )
     for name in METHODS

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isograde.claims.evidence import failed, on_triangles, passed, traces_of
+from isograde.claims.evidence import failed, on_triangles, passed, traces_of, undecided
 from isograde.model import Claim, Finding, Trial
 from isograde.oracles.traces import FACES, Traces, segments_on
 
@@ -23,11 +23,13 @@ def legal(trial: Trial) -> Finding:
             f"{int(traces.spanning[0])}",
             spanning=len(traces.spanning),
         )
-    wrong = ~(traces.separated | traces.joined)
+    wrong = ~(traces.separated | traces.joined | traces.undecided)
     wrong[traces.tied] = False
     cells = np.flatnonzero(wrong.any(axis=1))
     if not len(cells):
-        return passed(cells=int((~traces.tied).sum()), tied=int(traces.tied.sum()))
+        open_cells = np.asarray(traces.undecided.any(axis=1))
+        counts = {"cells": int((~traces.tied).sum()), "tied": int(traces.tied.sum())}
+        return undecided(trial, open_cells) or passed(**counts)
     first = int(cells[0])
     face = int(np.argmax(wrong[first]))
     return failed(

@@ -14,20 +14,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from isograde.claims.evidence import failed, on_triangles, passed, traces_of
+from isograde.claims.evidence import failed, on_triangles, passed, traces_of, undecided
 from isograde.model import Claim, Finding, Trial
 
 
 def triangles(trial: Trial) -> Finding:
     """Pass when every cell has as many triangles as discs or one tunnel on its polygons take."""
-    traces = traces_of(trial)
-    judged = ~traces.tied & (traces.flat == 0) & (traces.separated | traces.joined).all(axis=1)
-    discs = traces.segments + 2 * traces.extra - 2 * traces.polygons
-    more = traces.triangles - discs
+    traces = traces_of(trial).settled
+    judged = ~traces.tied & ~traces.unjudged & (traces.separated | traces.joined).all(axis=1)
+    more = traces.excess
     tunnel = (more == 4) & (traces.polygons >= 2)
     bad = np.flatnonzero(judged & (more != 0) & ~tunnel)
     if not len(bad):
-        return passed(
+        return undecided(trial, traces.unjudged) or passed(
             cells=int(judged.sum()),
             tunnels=int((judged & tunnel).sum()),
             triangles=int(traces.triangles[judged].sum()),
@@ -37,12 +36,12 @@ def triangles(trial: Trial) -> Finding:
         f"{len(bad)} cells; the one at {traces.place[first].tolist()} has "
         f"{int(traces.triangles[first])} triangles where {int(traces.polygons[first])} polygons "
         f"of {int(traces.segments[first])} segments in all and {int(traces.extra[first])} inner "
-        f"vertices take {int(discs[first])}",
+        f"vertices take {int((traces.triangles - more)[first])}",
         cells=len(bad),
         cell=traces.place[first].tolist(),
         signs=int(traces.signs[first]),
         found=int(traces.triangles[first]),
-        wanted=int(discs[first]),
+        wanted=int((traces.triangles - more)[first]),
     )
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
-from isograde.claims.evidence import failed, on_triangles, passed, skipped, traces_of
+from isograde.claims.evidence import failed, on_triangles, passed, skipped, traces_of, undecided
 from isograde.model import Claim, Finding, Trial, Verdict
 from isograde.oracles.traces import CORNERS, FACES, Traces
 
@@ -30,19 +30,20 @@ def cycles(trial: Trial) -> Finding:
     if mode not in MODES:
         return Finding(Verdict.UNSUPPORTED, "declares no connectivity mode")
     traces = traces_of(trial)
-    judged = ~traces.tied
+    settled = traces.settled
+    judged = ~traces.tied & ~settled.unjudged
     if not judged.any():
         return skipped("every active cell has a tied corner")
     wrong = judged & ~_faces_as(mode, trial, traces).all(axis=1)
     if wrong.any():
         return _told(traces, wrong, f"does not have the cycles of mode {mode!r}", mode)
-    wrong = judged & (traces.triangles != _triangles_of_discs(traces))
+    wrong = judged & (settled.excess != 0)
     if wrong.any():
         return _told(traces, wrong, "does not fill each cycle with a disc of its own", mode)
-    return passed(
+    return undecided(trial, settled.unjudged) or passed(
         cells=int(judged.sum()),
         ambiguous=int((traces.ambiguous & judged[:, None]).sum()),
-        cycles=int(traces.polygons[judged].sum()),
+        cycles=int(settled.polygons[judged].sum()),
     )
 
 
@@ -74,11 +75,6 @@ def averages(trial: Trial, place: Integers) -> Floats:
                 index = tuple((place + np.asarray(corner) // 2).T)
                 sums[:, f] += values[index].astype(np.float64) - trial.case.isovalue
     return sums
-
-
-def _triangles_of_discs(traces: Traces) -> Integers:
-    """(n,) triangles that one disc a cycle has, with the vertices inside the cell that are used."""
-    return traces.segments - 2 * traces.polygons + 2 * traces.extra
 
 
 def _told(traces: Traces, wrong: Booleans, what: str, mode: str) -> Finding:

@@ -21,7 +21,9 @@ from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import tied_saddle
 from isograde.oracles.complexes import Complex, components_of
 from isograde.oracles.degree import Meetings, meetings
+from isograde.oracles.flat import LIMIT, MOST
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import Traces, traces
 
 T = TypeVar("T")
 
@@ -150,6 +152,28 @@ def meetings_of(trial: Trial) -> Meetings:
     found = complex_of(trial)
     return remembered(
         trial, "meetings", lambda: meetings(lattice_of(trial), found.points, found.simplices)
+    )
+
+
+def traces_of(trial: Trial) -> Traces:
+    """What the plain outcome's surface does in each cell; for surfaces in space only."""
+    found = complex_of(trial)
+    return remembered(
+        trial, "traces", lambda: traces(lattice_of(trial), found.points, found.simplices)
+    )
+
+
+def undecided(trial: Trial, cells: Booleans) -> Finding | None:
+    """What to say where no cell is wrong and these cells are not judged; None where all are.
+
+    cells : (n,) of `traces_of(trial)`, with too many flat triangles
+    """
+    count = int((cells & ~traces_of(trial).tied).sum())
+    if not count:
+        return None
+    return skipped(
+        f"{count} cells are not judged: more than {MOST} triangles lie flat in a face, or there "
+        f"are more than {LIMIT:,} ways to give such triangles to the cells on either side"
     )
 
 

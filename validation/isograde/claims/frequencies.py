@@ -13,10 +13,10 @@ from collections import Counter
 import numpy as np
 from isoref.field import Booleans, Integers
 
-from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, traces_of
+from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, traces_of, undecided
 from isograde.frequencies import CORNERS, ROWS, rows_of, rows_with
 from isograde.model import Claim, Finding, Trial
-from isograde.oracles.bilinear import saddles
+from isograde.oracles.bilinear import read_in_favour, saddles
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import Traces
 
@@ -26,15 +26,15 @@ UNKNOWN = "none"
 def judged_cells(lattice: Lattice, traces: Traces) -> Booleans:
     """(n,) cells whose variant has one right answer."""
     row, _, sign, _ = saddles(lattice, traces)
-    judged = ~traces.tied
+    judged = ~traces.tied & ~traces.undecided.any(axis=1)
     judged[row[sign == 0]] = False
     return judged
 
 
-def rows_found(traces: Traces, signs: Integers) -> Integers:
+def rows_found(lattice: Lattice, traces: Traces, signs: Integers) -> Integers:
     """(n,) index into `ROWS` of what the mesh makes of each cell, or -1."""
     fits = np.asarray(traces.separated | traces.joined).all(axis=1)
-    separated = (traces.separated & traces.ambiguous).sum(axis=1)
+    separated = (read_in_favour(lattice, traces) & traces.ambiguous).sum(axis=1)
     return np.where(fits, rows_with(signs, separated), -1)
 
 
@@ -52,9 +52,10 @@ def frequencies(trial: Trial) -> Finding:
     for bit, (a, b, c) in enumerate(CORNERS):
         signs |= lattice.inside[i + a, j + b, k + c].astype(np.int64) << bit
     wanted = rows_of(lattice.field, lattice.isovalue, signs, traces.place)
-    expected, found = counted(wanted[judged]), counted(rows_found(traces, signs)[judged])
+    expected, found = counted(wanted[judged]), counted(rows_found(lattice, traces, signs)[judged])
     if expected == found:
-        return passed(cells=int(judged.sum()), counts=dict(expected))
+        counts = {"cells": int(judged.sum()), "counts": dict(expected)}
+        return undecided(trial, np.asarray(traces.undecided.any(axis=1))) or passed(**counts)
     rows = [row for row in (*ROWS, UNKNOWN) if expected[row] != found[row]]
     return failed(
         "; ".join(f"{found[row]} cells of {row} instead of {expected[row]}" for row in rows),

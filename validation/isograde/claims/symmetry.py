@@ -47,6 +47,7 @@ from isograde.claims.evidence import (
     placed,
     remembered,
     skipped,
+    traces_of,
 )
 from isograde.declaration import Declaration, Split
 from isograde.model import (
@@ -62,12 +63,12 @@ from isograde.model import (
     every_family,
     every_kind,
 )
-from isograde.oracles import alike
+from isograde.oracles import overlay
 from isograde.oracles.bilinear import saddles
 from isograde.oracles.complexes import Complex
 from isograde.oracles.degree import crossings
 from isograde.oracles.lattice import Lattice
-from isograde.oracles.traces import Traces, traces
+from isograde.oracles.traces import Traces, alike, traces
 
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when
 # values are rounded anew.
@@ -154,7 +155,7 @@ def same_simplices(trial: Trial, other: Complex, variant: variants.Variant) -> s
         return ""
     if "translate" in variant.name:
         ours, other = (_off_the_border(lattice, mesh) for mesh in (ours, other))
-    mine, theirs = alike.unmatched(ours, other, NEAR * lattice.tolerance)
+    mine, theirs = overlay.unmatched(ours, other, NEAR * lattice.tolerance)
     mine, theirs = (_clear(trial, mesh, rows) for mesh, rows in ((ours, mine), (other, theirs)))
     if not len(mine) and not len(theirs):
         return ""
@@ -222,14 +223,6 @@ def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
     return _same_meetings(trial, other)
 
 
-def traces_of(trial: Trial) -> Traces:
-    """The plain outcome's traces in the cells."""
-    found = complex_of(trial)
-    return remembered(
-        trial, "traces", lambda: traces(lattice_of(trial), found.points, found.simplices)
-    )
-
-
 def _same_traces(trial: Trial, other: Complex) -> str:
     """How vertices on lattice edges, or segments on faces of cells, differ."""
     lattice = lattice_of(trial)
@@ -239,9 +232,7 @@ def _same_traces(trial: Trial, other: Complex) -> str:
     if lost:
         return f"{lost} cells have triangles in one answer and not in the other"
     changed = np.zeros(judged.shape, bool)
-    changed[row] = (theirs.separated[other_row] != ours.separated[row]) | (
-        theirs.joined[other_row] != ours.joined[row]
-    )
+    changed[row] = ~alike(ours, theirs, row, other_row)
     changed &= judged
     if changed.any():
         first, face = np.argwhere(changed)[0]
@@ -280,7 +271,7 @@ def _on_edges(lattice: Lattice, mesh: Complex) -> Floats:
 
 def _moved(lattice: Lattice, mine: Floats, theirs: Floats) -> str:
     """How two sets of places differ; nothing where they do not."""
-    alone, other = alike.lonely(mine, theirs, NEAR * lattice.tolerance)
+    alone, other = overlay.lonely(mine, theirs, NEAR * lattice.tolerance)
     if not len(alone) and not len(other):
         return ""
     first = mine[alone[0]] if len(alone) else theirs[other[0]]
@@ -297,7 +288,7 @@ def _same_cells(trial: Trial, other: Complex) -> str:
     if told := _moved(lattice, *places):
         return told
     kept = [_between_neighbours(lattice, mesh) for mesh in (mine, other)]
-    alone, lone = alike.unmatched_edges(mine, other, (kept[0], kept[1]), NEAR * lattice.tolerance)
+    alone, lone = overlay.unmatched_edges(mine, other, (kept[0], kept[1]), NEAR * lattice.tolerance)
     if not len(alone) and not len(lone):
         return ""
     ends = mine.points[alone[0]] if len(alone) else other.points[lone[0]]
@@ -314,7 +305,7 @@ def _free(lattice: Lattice, places: Floats) -> Floats:
 
 def _between_neighbours(lattice: Lattice, mesh: Complex) -> Booleans:
     """(e,) edges between vertices in cells that share a face, not beside a tied sample."""
-    ends = alike.edges(mesh)
+    ends = overlay.edges(mesh)
     cells = np.floor(mesh.points[ends])
     step = np.abs(cells[:, 0] - cells[:, 1])
     near = lattice.beside_tie(mesh.points[ends].reshape(-1, lattice.n)).reshape(-1, 2).any(axis=1)

@@ -25,7 +25,7 @@ from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
-from isoref.field import Array, Floats, Integers
+from isoref.field import Array, Booleans, Floats, Integers
 
 from isograde.oracles.lattice import Lattice, components
 from isograde.oracles.traces import FACES, Traces
@@ -98,6 +98,18 @@ def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integ
     values = lattice.field.values[i, j, k]
     sign, clarity = saddle_sign(values, lattice.isovalue)
     return row, face, sign, clarity
+
+
+def read_in_favour(lattice: Lattice, traces: Traces) -> Booleans:
+    """(n, 6) faces whose inside corners are separated; where either can be read, the right one.
+
+    A face has several readings where triangles lie flat in it, see `isograde.oracles.flat`.
+    """
+    separated = traces.separated.copy()
+    row, face, sign, _ = saddles(lattice, traces)
+    joins = traces.joined[row, face] & (sign > 0)
+    separated[row[joins], face[joins]] = False
+    return separated
 
 
 def _corners(axis: int, side: int) -> list[list[int]]:

@@ -5,9 +5,9 @@ components are the cell's sheets and whose open edges are its arcs. Both are com
 truth by the crossed cell edges they meet: two crossed edges are on one sheet, or joined by an arc,
 in the mesh exactly when they are in the trilinear level set.
 
-A triangle that lies in a face shared by two cells belongs to neither more than to the other. A
-mesh is read in four ways, with such *flat* triangles in the upper cell, in the lower, in both, in
-none; a cell is right when one of the readings is.
+A triangle that lies in a face shared by two cells belongs to neither more than to the other. Such
+*flat* triangles are given to the cells in every way that leaves the face whole; cells are right
+when they are under one and the same way, see `isograde.oracles.flat`.
 
 Glossary
 --------
@@ -24,15 +24,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
 
 import numpy as np
-from isoref.field import Booleans, Floats, Integers
+from isoref.field import Booleans, Field, Floats, Integers
 
+from isograde.oracles.flat import Readings
 from isograde.oracles.halfedges import components_of
-from isograde.oracles.trilinear import EDGES, FACES, Truths
-
-Flats = Literal["upper", "lower", "both", "none"]
+from isograde.oracles.lattice import Lattice
+from isograde.oracles.traces import Traces, traces
+from isograde.oracles.trilinear import EDGES, FACES, NONE, Truths
 
 # Number of the cell edge at half steps (2 i0, 2 i1, 2 i2) with one odd entry, else -1.
 _EDGE_AT = np.full((3, 3, 3), -1)
@@ -41,9 +41,18 @@ for _number, (_a, _b) in enumerate(EDGES):
     _EDGE_AT[tuple(_half)] = _number
 _ON_FACE = np.array([[a in face and b in face for a, b in EDGES] for face in FACES])
 
+# A face's number in `FACES`, by twice its axis, and one more on the upper side.
+_NUMBER = np.array(
+    [
+        next(f for f, face in enumerate(FACES) if all((c >> (2 - a) & 1) == side for c in face))
+        for a in range(3)
+        for side in (0, 1)
+    ]
+)
+
 
 class Fault(StrEnum):
-    """What is wrong in a cell; the first that applies."""
+    """What is wrong in a cell; the first that applies. Where nothing can be told: undecided."""
 
     NONE = "right"
     OPEN = "hole"
@@ -52,6 +61,7 @@ class Fault(StrEnum):
     MISSING = "missing tunnel"
     EULER = "wrong Euler characteristic"
     CROWDED = "non-manifold edge"
+    UNDECIDED = "undecided: too many flat triangles"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +81,8 @@ class Sheets:
     crowded: Integers
 
 
-def sheets(
-    places: Floats, faces: Integers, index: Integers, shape: Sequence[int], flats: Flats = "upper"
-) -> Sheets:
-    """The surface in each of the cells `index` (n, 3), sorted, of a lattice of this shape."""
-    cell, which = _cells(places, faces, shape, flats)
-    flat = np.ravel_multi_index(tuple(index.T), tuple(shape))
-    row = np.searchsorted(flat, cell)
-    known = row < len(flat)
-    known[known] &= flat[row[known]] == cell[known]
-    triangles, row = faces[which][known], row[known]
-
+def sheets(places: Floats, triangles: Integers, row: Integers, index: Integers) -> Sheets:
+    """The surface in each of the cells `index` (n, 3): triangle t lies in the cell row[t]."""
     # Give each cell its own copy of each vertex.
     keys, local = np.unique(row[:, None] * len(places) + triangles, return_inverse=True)
     local = local.reshape(-1, 3)
@@ -102,36 +103,29 @@ def sheets(
     return Sheets(sheet, euler, arcs, loose, crowded)
 
 
-def _cells(
-    places: Floats, faces: Integers, shape: Sequence[int], flats: Flats
+def _rows(
+    places: Floats, faces: Integers, index: Integers, shape: Sequence[int]
 ) -> tuple[Integers, Integers]:
-    """Pairs of a cell, by its flat index, and a triangle in it."""
-    last = np.array(shape) - 2
+    """The row of the cell in which each triangle's middle lies, and the triangles that have one."""
     cell = np.floor(places[faces].mean(axis=1)).astype(np.int64)
-    flat = _flat(places, faces)
-    plane = np.rint(places[faces[:, 0]]).astype(np.int64)
-    lower, upper = np.where(flat, plane - 1, cell), np.where(flat, plane, cell)
-    level = np.arange(len(faces))
-    single = ~np.logical_or.reduce(flat, axis=1)
-    chosen = {
-        "upper": [(upper, level)],
-        "lower": [(lower, level)],
-        "both": [(upper, level), (lower[~single], level[~single])],
-        "none": [(upper[single], level[single])],
-    }[flats]
-    cells = np.concatenate([np.clip(c, 0, last) for c, _ in chosen])
-    triangles = np.concatenate([t for _, t in chosen])
-    # On the skin of the lattice both sides are one cell: keep such a triangle once.
-    index = np.asarray(np.ravel_multi_index(tuple(cells.T), tuple(shape)))
-    pairs = np.unique(np.stack([triangles, index], axis=1), axis=0)
-    return pairs[:, 1], pairs[:, 0]
+    cell = np.clip(cell, 0, np.array(shape) - 2)
+    which = np.ravel_multi_index(tuple(cell.T), tuple(shape))
+    listed = np.ravel_multi_index(tuple(index.T), tuple(shape))
+    row = np.searchsorted(listed, which)
+    known = row < len(listed)
+    known[known] &= listed[row[known]] == which[known]
+    return row[known], np.flatnonzero(known)
 
 
-def _flat(places: Floats, faces: Integers) -> Booleans:
-    """(F, 3) whether the triangle lies in a plane of the lattice across this axis."""
-    corners = places[faces]
-    gap = np.abs(corners - np.rint(corners[:, :1]))
-    return np.asarray(gap.max(axis=1) < 1e-6)
+def _level(places: Floats, faces: Integers, tolerance: float) -> Booleans:
+    """(F,) whether the triangle lies in a plane of the lattice."""
+    level = np.zeros(len(faces), bool)
+    for axis in range(3):
+        a, b, c = (places[faces[:, k], axis] for k in range(3))
+        whole = np.rint(a)
+        gap = np.maximum(np.maximum(abs(a - whole), abs(b - whole)), abs(c - whole))
+        level |= gap <= tolerance
+    return level
 
 
 def _edges_of(places: Floats, cell: Integers) -> Integers:
@@ -223,16 +217,107 @@ def faults(truths: Truths, found: Sheets) -> Integers:
 
 
 def judge(
-    places: Floats, faces: Integers, index: Integers, truths: Truths, shape: Sequence[int]
+    places: Floats,
+    faces: Integers,
+    index: Integers,
+    truths: Truths,
+    shape: Sequence[int],
+    lattice: Lattice | None = None,
+    judged: Booleans | None = None,
 ) -> list[Fault]:
-    """The fault of each cell, flat triangles taken in the mesh's favour.
+    """The fault of each cell.
 
-    Of the faults of several readings the last in order is named: the earlier ones it passed.
+    Parameters
+    ----------
+    places, faces : the mesh in index coordinates, equal vertices welded
+    index, truths : (n, 3) and (n,) all cells that the surface passes through, in order
+    shape : samples along each axis
+    lattice : the samples, whose tolerance holds for flat triangles; that of `shape` if not given
+    judged : (n,) cells to be right; the others, such as ties, may be anything. All that are no
+        tie, if not given
     """
+    lattice = lattice or _lattice(index, truths, shape)
+    level = _level(places, faces, lattice.tolerance)
+    row, which = _rows(places, faces[~level], index, shape)
+    triangles = faces[~level][which]
+    found = faults(truths, sheets(places, triangles, row, index))
+    if level.any():
+        drawn = traces(lattice, places, faces)
+        wanted = truths.ties == NONE if judged is None else judged
+        _with_flat(found, drawn, wanted, (places, faces, triangles, row), index, truths)
     names = list(Fault)
-    readings: tuple[Flats, ...] = ("upper", "lower", "both", "none")
-    if not _flat(places, faces).any():
-        readings = ("upper",)
-    found = np.array([faults(truths, sheets(places, faces, index, shape, r)) for r in readings])
-    best = np.where((found == 0).any(axis=0), 0, found.max(axis=0))
-    return [names[k] for k in best]
+    return [names[k] for k in found]
+
+
+def _lattice(index: Integers, truths: Truths, shape: Sequence[int]) -> Lattice:
+    """A lattice with the sides that the truths tell; it has no ties."""
+    sides = np.full(tuple(shape), -1.0)
+    for corner in range(8):
+        i, j, k = (index + np.array([corner >> 2 & 1, corner >> 1 & 1, corner & 1])).T
+        sides[i, j, k] = np.where(truths.high[:, corner], 1.0, -1.0)
+    return Lattice.of(Field.of(sides), 0.0)
+
+
+def _with_flat(
+    found: Integers,
+    drawn: Traces,
+    judged: Booleans,
+    mesh: tuple[Floats, Integers, Integers, Integers],
+    index: Integers,
+    truths: Truths,
+) -> None:
+    """Judge the cells that have flat triangles anew, with the triangles given to them.
+
+    mesh : places, faces, the triangles that are not flat, and the row of each in `index`
+    """
+    places, faces, triangles, row = mesh
+    here = _listed(drawn.place, index)
+    readings = drawn.readings.preferring(_wanted(drawn.readings, here, truths))
+
+    # Every trial cell has its cell's own triangles, and the flat ones that are given to it.
+    trials = readings.trials
+    known = here[trials.row] >= 0
+    cell = np.where(known, here[trials.row], 0)
+    order = np.argsort(row, kind="stable")
+    count = np.bincount(row, minlength=len(index))
+    first = np.cumsum(count) - count
+    owner = np.repeat(np.arange(len(cell)), count[cell])
+    within = np.arange(len(owner)) - np.repeat(np.cumsum(count[cell]) - count[cell], count[cell])
+    own = triangles[order[first[cell[owner]] + within]]
+    flat = faces[readings.lying.triangle[trials.triangle]]
+    surface = sheets(
+        places,
+        np.concatenate([own, flat]),
+        np.concatenate([owner, trials.owner]),
+        index[cell],
+    )
+
+    # Few wrong cells are better than many; of as many, those with the later faults.
+    fault = faults(truths[cell], surface)
+    weight = np.where(fault == 0, 0, (1 << 20) - fault)
+    chosen = trials.chosen(readings, readings.settle(np.where(known & judged[cell], weight, 0)))
+    chosen = chosen[known[chosen]]
+    found[cell[chosen]] = fault[chosen]
+    beyond = here[readings.unjudged]
+    found[beyond[beyond >= 0]] = list(Fault).index(Fault.UNDECIDED)
+
+
+def _listed(place: Integers, index: Integers) -> Integers:
+    """The row in `index` of each cell at `place`, or -1."""
+    both = np.concatenate([index, place])
+    _, name = np.unique(both, axis=0, return_inverse=True)
+    name = name.reshape(-1)
+    row = np.full(name.max(initial=0) + 1, -1)
+    row[name[: len(index)]] = np.arange(len(index))
+    return row[name[len(index) :]]
+
+
+def _wanted(readings: Readings, here: Integers, truths: Truths) -> Integers:
+    """(m,) what the level set does on each face: 0 separated, 1 joined, -1 either, or not told."""
+    wanted = np.full(len(readings.lying), -1)
+    for row, face in readings.lying.sides:
+        cell = np.where(row >= 0, here[np.maximum(row, 0)], -1)
+        known = (cell >= 0) & (truths.ties[cell] == NONE)
+        joined = truths.faces[cell[known], _NUMBER[face[known]]]
+        wanted[known] = np.array([-1, 1, 0])[joined]
+    return wanted

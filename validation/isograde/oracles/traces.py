@@ -8,7 +8,8 @@ one of two, for every other face one. Segments that join opposite edges would cr
 
 A trace is read off a mesh without asking how it was made. Each triangle lies in one cell; the
 edges of the cell's triangles that lie in a face, counted modulo two, are the cell's trace. Chords
-that two triangles of the same cell share cancel, as do folds.
+that two triangles of the same cell share cancel, as do folds. Triangles that lie flat in a face
+may belong to the cell on either side of it; `isograde.oracles.flat` reads such faces.
 
 Glossary
 --------
@@ -17,14 +18,15 @@ cell        named by its lowest corner (i, j, k), or by that corner's flat index
 node        the place of a vertex in its cell, in half steps: offsets 0, 1, 2 along each axis with
             exactly one 1 (the middle of a lattice edge), as the number 9 a + 3 b + c
 code        a cell's trace: 36 bits, six for each face, one for each pair of the face's four edges
-flat        a triangle that lies in a face; it may belong to the cell on either side
+flat        a triangle that lies in a face, see `isograde.oracles.flat`
+excess      triangles in a cell beyond those that a disc in each of its curves takes
 
 Nodes, faces and pairs are numbered by position alone; no table of the reference is used.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import combinations
 
@@ -32,6 +34,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from numpy.typing import NDArray
 
+from isograde.oracles.flat import OUTSIDE, Lying, Readings, read
 from isograde.oracles.lattice import Lattice
 
 Place = tuple[int, int, int]
@@ -146,11 +149,12 @@ class Traces:
     place : (n, 3) its lowest corner
     signs : (n,) its corners' sides, as in `legal`
     tied : (n,) a corner is a tied sample: what the mesh does there is not judged
-    code : (n,) its trace
-    flat : (n,) the trace of flat triangles on its faces, whichever cell they belong to
-    triangles : (n,) triangles in it
+    code : (n,) its trace, flat triangles apart
+    triangles : (n,) triangles in it, flat ones apart
     extra : (n,) vertices strictly inside it
     spanning : triangles that no single cell contains
+    lying : the triangles that lie flat in the cells' faces
+    unjudged : (n,) there are more ways to give the cell its flat triangles than are tried
     """
 
     cell: Integers
@@ -158,20 +162,16 @@ class Traces:
     signs: Integers
     tied: Booleans
     code: Integers
-    flat: Integers
     triangles: Integers
     extra: Integers
     spanning: Integers
+    lying: Lying
+    unjudged: Booleans
 
     @cached_property
     def faces(self) -> Integers:
         """(n, 6) the trace of each face."""
         return _by_face(self.code)
-
-    @cached_property
-    def with_flat(self) -> Integers:
-        """(n, 6) the trace of each face, flat triangles taken as this cell's."""
-        return _by_face(self.code ^ self.flat)
 
     @cached_property
     def ambiguous(self) -> Booleans:
@@ -180,18 +180,81 @@ class Traces:
         return np.asarray(pairs[..., 0] != pairs[..., 1])
 
     @cached_property
+    def readings(self) -> Readings:
+        """The ways to read the faces in which triangles lie flat."""
+        return read(self.lying, self.faces, legal()[self.signs])
+
+    @cached_property
     def separated(self) -> Booleans:
-        """(n, 6) faces whose trace is the one that separates the inside corners."""
-        return self._is(legal()[self.signs, :, 0])
+        """(n, 6) faces that can be read so that the trace separates the inside corners."""
+        return self._is(0)
 
     @cached_property
     def joined(self) -> Booleans:
-        """(n, 6) faces whose trace is the one that joins the inside corners."""
-        return self._is(legal()[self.signs, :, 1])
+        """(n, 6) faces that can be read so that the trace joins the inside corners."""
+        return self._is(1)
 
-    def _is(self, wanted: Integers) -> Booleans:
-        """(n, 6) the wanted trace is there, with or without the flat triangles."""
-        return np.asarray((self.faces == wanted) | (self.with_flat == wanted))
+    def _is(self, state: int) -> Booleans:
+        """(n, 6) the trace is the legal one of this state; with flat triangles, can be."""
+        found = np.asarray(self.faces == legal()[self.signs, :, state])
+        return self._on_flat(found, self.readings.legal[:, state]) if len(self.lying) else found
+
+    @cached_property
+    def undecided(self) -> Booleans:
+        """(n, 6) faces with more flat triangles than are tried."""
+        none = np.zeros((len(self.cell), 6), bool)
+        return self._on_flat(none, self.readings.undecided) if len(self.lying) else none
+
+    def _on_flat(self, found: Booleans, given: Booleans) -> Booleans:
+        """(n, 6) what was found, and on faces with flat triangles what is given (m,)."""
+        for row, face in self.lying.sides:
+            known = row >= 0
+            found[row[known], face[known]] = given[known]
+        return found
+
+    @cached_property
+    def settled(self) -> Traces:
+        """The traces with each flat triangle in one cell, so that the most cells have no excess.
+
+        Where a cell has more than discs, four triangles more, a tunnel between two of its curves,
+        come next.
+        """
+        if not len(self.lying):
+            return self
+        readings, trials = self.readings, self.readings.trials
+        tried = self._tried()
+        excess = tried.excess
+        tunnel = (excess == 4) & (tried.polygons >= 2)
+        cost = np.where(tried.tied | (excess == 0), 0, np.where(tunnel, 1, 1 << 20))
+        chosen = trials.chosen(readings, readings.settle(cost))
+        rows = np.array(list(trials.first), np.int64)
+        code, triangles, unjudged = self.code.copy(), self.triangles.copy(), self.unjudged.copy()
+        code[rows], triangles[rows] = tried.code[chosen], tried.triangles[chosen]
+        unjudged[readings.unjudged] = True
+        return replace(self, code=code, triangles=triangles, lying=Lying.none(), unjudged=unjudged)
+
+    def _tried(self) -> Traces:
+        """The trial cells, each with the flat triangles that it has."""
+        trials = self.readings.trials
+        code, triangles = self.code[trials.row], self.triangles[trials.row]
+        position = np.searchsorted(self.lying.start, trials.triangle, side="right") - 1
+        below = self.lying.below[position] == trials.row[trials.owner]
+        shift = 12 * self.lying.axis[position] + 6 * below
+        np.bitwise_xor.at(code, trials.owner, self.lying.bits[trials.triangle] << shift)
+        np.add.at(triangles, trials.owner, 1)
+        row = trials.row
+        return Traces(
+            self.cell[row],
+            self.place[row],
+            self.signs[row],
+            self.tied[row],
+            code,
+            triangles,
+            self.extra[row],
+            self.spanning,
+            Lying.none(),
+            self.unjudged[row],
+        )
 
     @property
     def polygons(self) -> Integers:
@@ -205,6 +268,24 @@ class Traces:
         """(n,) number of segments in each cell's trace."""
         ones = np.array([x.bit_count() for x in range(64)])
         return np.asarray(ones[self.faces].sum(axis=1))
+
+    @property
+    def excess(self) -> Integers:
+        """(n,) triangles less those of one disc a curve, with the vertices inside the cell."""
+        return np.asarray(self.triangles - self.segments - 2 * self.extra + 2 * self.polygons)
+
+
+def alike(ours: Traces, theirs: Traces, row: Integers, other: Integers) -> Booleans:
+    """(n, 6) the cells ours[row] and theirs[other] can be read alike on a face, or are not decided.
+
+    Flat triangles of a neighbour add readings to a face, and which cell they belong to is not
+    compared; so the same surface posed otherwise may have more readings, but has one in common.
+    """
+    separated, joined = ours.separated[row], ours.joined[row]
+    others = theirs.separated[other], theirs.joined[other]
+    common = (separated & others[0]) | (joined & others[1])
+    neither = ~(separated | joined) & ~(others[0] | others[1])
+    return np.asarray(common | neither | ours.undecided[row] | theirs.undecided[other])
 
 
 def _by_face(code: Integers) -> Integers:
@@ -248,10 +329,11 @@ def traces(lattice: Lattice, places: Floats, faces: Integers) -> Traces:
         signs.reshape(-1)[cell].astype(np.int64),
         _tied_cells(lattice, place),
         total,
-        _flat_traces(cell, corner, code, extent, shape),
         count,
         _extra_vertices(lattice, places, faces, cell, shape),
         np.flatnonzero((extent > 1).any(axis=1)),
+        _lying(cell, corner, code, extent, shape),
+        np.zeros(len(cell), bool),
     )
 
 
@@ -297,27 +379,37 @@ def _within(node: Integers) -> Integers:
     return np.where((node >= 0) & (node < NOWHERE), node, NOWHERE)
 
 
-def _flat_traces(
+def _lying(
     cell: Integers, corner: Integers, code: Integers, extent: Integers, shape: Integers
-) -> Integers:
-    """(n,) the bits of the flat triangles on the faces of the cells on either side."""
-    total = np.zeros(len(cell), np.int64)
-    for axis in range(3):
-        flat = (extent[:, axis] <= 0) & ((extent > 0).sum(axis=1) == 2)
-        if not flat.any():
-            continue
-        # Seen from the upper cell the face is the lower one of its axis; from the lower cell it
-        # is the upper one, with the same pairs in the same order.
-        bits = code[flat] >> (12 * axis) & 63
-        for below in (0, 1):
-            place = corner[flat] - below * np.eye(3, dtype=np.int64)[axis]
-            there = ((place >= 0) & (place < shape)).all(axis=1)
-            index = _flat_index(place[there], shape)
-            at = np.minimum(np.searchsorted(cell, index), max(len(cell) - 1, 0))
-            known = cell[at] == index if len(cell) else np.zeros(len(at), bool)
-            shifted = bits[there][known] << (12 * axis + 6 * below)
-            np.bitwise_xor.at(total, at[known], shifted)
-    return total
+) -> Lying:
+    """The flat triangles on the faces of these cells."""
+    level = extent <= 0
+    flat = np.flatnonzero(level.any(axis=1) & (level.sum(axis=1) == 1) & (extent <= 1).all(axis=1))
+    if not len(flat) or not len(cell):
+        return Lying.none()
+    axis = level[flat].argmax(axis=1)
+    above = _rows(cell, corner[flat], shape)
+    below = _rows(cell, corner[flat] - np.eye(3, dtype=np.int64)[axis], shape)
+    known = (above >= 0) | (below >= 0)
+    flat, axis, above, below = flat[known], axis[known], above[known], below[known]
+    # A face is named by its axis and a cell beside it; both sides are needed, as one may be -1.
+    names = np.stack([axis, below, above], axis=1)
+    order = np.lexsort(names.T)
+    new = (np.diff(names[order], axis=0, prepend=-9) != 0).any(axis=1)
+    first = order[new]
+    # Seen from the upper cell the face is the lower one of its axis; from the lower cell it is
+    # the upper one, with the same pairs in the same order.
+    bits = code[flat[order]] >> (12 * axis[order]) & 63
+    start = np.append(np.flatnonzero(new), len(order))
+    return Lying(flat[order], bits, start, axis[first], below[first], above[first])
+
+
+def _rows(cell: Integers, place: Integers, shape: Integers) -> Integers:
+    """The rows of cells by their lowest corners; -1 for one not listed, else `OUTSIDE`."""
+    there = ((place >= 0) & (place < shape)).all(axis=1)
+    index = _flat_index(place, shape)
+    at = np.minimum(np.searchsorted(cell, index), len(cell) - 1)
+    return np.where(there, np.where(cell[at] == index, at, -1), OUTSIDE)
 
 
 def _tied_cells(lattice: Lattice, place: Integers) -> Booleans:

@@ -24,7 +24,7 @@ def extract(values, isovalue, spacing):
     return [line[::-1, ::-1] * spacing for line in lines]
 """
 CONTOURS_DICONEX = """
-from isoref.diconex import diconex
+from isoref.fast.diconex import diconex
 from isoref.field import Field
 
 
