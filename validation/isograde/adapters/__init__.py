@@ -19,7 +19,7 @@ import difflib
 from isograde.adapters.directory import DirectoryAdapter, export
 from isograde.adapters.exec import ExecAdapter
 from isograde.adapters.python import PythonAdapter
-from isograde.adapters.ready_made import READY_MADE
+from isograde.adapters.registry import READY_MADE
 from isograde.model import Adapter, AdapterError
 
 __all__ = ["export", "open_adapter", "ready_made_names"]

@@ -1,17 +1,22 @@
-"""What may be in an answer: arrays of real numbers, in memory or in files."""
+"""Answers in files: pairs of .npy files, mesh files, and JSON, as vertices and simplices.
+
+JSON holds an object with ``vertices`` and ``simplices`` (or ``faces``), or with ``polylines``, in
+the forms of `isograde.adapters.forms`; in place of rows, the name of a .npy file that has them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from isograde.model import Status
+from isograde.adapters.forms import AnswerError, Arrays, from_pair, from_polylines, tried
+from isograde.model import SURFACES, Kind, Status
 
-Arrays = list[NDArray[Any]]
 MESH_FILES = (".ply", ".obj", ".off", ".stl")
 
 # The first words of lines in an .obj file that has no faces, and how much of it is looked at.
@@ -19,66 +24,53 @@ OBJ_WORDS = {b"v", b"vn", b"vt", b"o", b"g", b"s", b"mtllib", b"usemtl"}
 CHECKED_BYTES = 1 << 16
 
 
-class AnswerError(ValueError):
-    """The answer cannot be judged; `status` says whether it is garbage or too large."""
-
-    def __init__(self, detail: str, status: Status = Status.GARBAGE):
-        super().__init__(detail)
-        self.status = status
-
-
-def arrays_from(answer: object) -> Arrays:
-    """Vertices and faces of a pair of array-likes; raises `AnswerError`.
-
-    >>> [part.shape for part in arrays_from(([[0, 0, 0]], []))]
-    [(1, 3), (0,)]
-    >>> arrays_from("done")
-    Traceback (most recent call last):
-    isograde.adapters.answers.AnswerError: returned str, not a pair of vertices and faces
-    """
-    if not isinstance(answer, tuple | list) or len(answer) != 2:
-        size = f" of {len(answer)}" if isinstance(answer, tuple | list) else ""
-        kind = type(answer).__name__
-        raise AnswerError(f"returned {kind}{size}, not a pair of vertices and faces")
-    return [_array(name, part) for name, part in zip(("vertices", "faces"), answer, strict=True)]
+def arrays_said(said: Mapping[str, Any], folder: Path, limit: int, kind: Kind) -> Arrays:
+    """Vertices and simplices of an answer in JSON, its files in `folder`; raises `AnswerError`."""
+    if "mesh" in said:
+        return mesh_in(folder / said["mesh"], limit, kind)
+    if "polylines" in said:
+        if kind.k != 1:
+            raise AnswerError(f"polylines are no answer of dimension {kind.k}: {kind}")
+        return from_polylines(said["polylines"], kind)
+    pair = said["vertices"], said["simplices"] if "simplices" in said else said["faces"]
+    loaded = [load(folder / part, limit) if isinstance(part, str) else part for part in pair]
+    return from_pair(loaded[0], loaded[1], kind)
 
 
-def _array(name: str, part: object) -> NDArray[Any]:
-    """The part as a contiguous array of real numbers; raises `AnswerError`."""
-    array: NDArray[Any] = _tried(name, lambda: np.asarray(part))
-    if array.dtype.kind not in "biuf":
-        raise AnswerError(f"{name} ({type(part).__name__}) are not real numbers: {array.dtype}")
-    solid: NDArray[Any] = _tried(name, lambda: np.ascontiguousarray(array))
-    return solid
+def json_in(path: Path, limit: int, kind: Kind) -> Arrays:
+    """Vertices and simplices of an answer in a JSON file; raises `AnswerError`."""
+    check_file(path, limit)
+    said = tried(path.name, lambda: json.loads(path.read_text(encoding="utf-8")))
+    keys = set(said) if isinstance(said, dict) else set()
+    if keys not in ({"polylines"}, {"vertices", "simplices"}, {"vertices", "faces"}):
+        raise AnswerError(f"{path.name} has neither polylines nor vertices and simplices")
+    return arrays_said(said, path.parent, limit, kind)
 
 
-def arrays_in(vertices: Path, faces: Path, limit: int) -> Arrays:
-    """Vertices and faces of a pair of .npy files; raises `AnswerError`."""
-    return arrays_from([_load(path, limit) for path in (vertices, faces)])
-
-
-def _load(path: Path, limit: int) -> NDArray[Any]:
+def load(path: Path, limit: int) -> NDArray[Any]:
     """The array in a .npy file; raises `AnswerError`."""
-    _check_file(path, limit)
-    array: NDArray[Any] = _tried(path.name, lambda: np.load(path, allow_pickle=False))
+    check_file(path, limit)
+    array: NDArray[Any] = tried(path.name, lambda: np.load(path, allow_pickle=False))
     return array
 
 
-def mesh_in(path: Path, limit: int) -> Arrays:
-    """Vertices and faces of a mesh file, as they stand in it; raises `AnswerError`.
+def mesh_in(path: Path, limit: int, kind: Kind) -> Arrays:
+    """Vertices and triangles of a mesh file, as they stand in it; raises `AnswerError`.
 
     STL has no shared vertices: those with equal coordinates are made one.
     """
+    if kind != SURFACES:
+        raise AnswerError(f"{path.name}: mesh files hold surfaces in space, not {kind}")
     if path.suffix.lower() not in MESH_FILES:
         raise AnswerError(f"{path.name}: a mesh file ends in {', '.join(MESH_FILES)}")
-    _check_file(path, limit)
-    vertices, faces = _tried(path.name, lambda: _read_mesh(path))
+    check_file(path, limit)
+    vertices, faces = tried(path.name, lambda: _read_mesh(path))
     if not len(faces) and not _says_empty(path):
         raise AnswerError(f"{path.name} is no mesh file")
     if path.suffix.lower() == ".stl" and len(vertices):
         vertices, where = np.unique(vertices, axis=0, return_inverse=True)
         faces = where.reshape(-1)[faces]
-    return arrays_from((vertices, faces))
+    return from_pair(vertices, faces, kind)
 
 
 def _read_mesh(path: Path) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -101,22 +93,12 @@ def _says_empty(path: Path) -> bool:
     return True
 
 
-def _check_file(path: Path, limit: int) -> None:
-    """Nothing, where `path` is a regular file within the limit; else raises `AnswerError`."""
+def check_file(path: Path, limit: int) -> None:
+    """Raise `AnswerError` unless `path` is a regular file within the limit."""
     if not path.is_file():
         raise AnswerError(f"no such file: {path.name}")
     size = path.stat().st_size
     if size == 0:
-        raise AnswerError(f"{path.name} has no bytes; a mesh without faces has a header at least")
+        raise AnswerError(f"{path.name} has no bytes; an empty mesh has a header at least")
     if size > limit:
         raise AnswerError(f"an absurd mesh: {path.name} has {size:,} bytes", Status.MEMORY)
-
-
-def _tried(name: str, make: Callable[[], Any]) -> Any:
-    """What `make` returns; raises `AnswerError` for whatever it raises."""
-    try:
-        return make()
-    except MemoryError as error:
-        raise AnswerError(f"an absurd mesh: {name}: {error}", Status.MEMORY) from error
-    except Exception as error:
-        raise AnswerError(f"{name} cannot be made an array: {error}") from error

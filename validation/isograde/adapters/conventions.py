@@ -1,4 +1,4 @@
-"""From an implementation's conventions to the house's."""
+"""From an implementation's conventions to the house's, and what it is not asked."""
 
 from __future__ import annotations
 
@@ -9,27 +9,46 @@ import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
 
-from isograde.model import Conventions, Outcome, Request, Status
+from isograde.declaration import Conventions, Declaration
+from isograde.model import Kind, Outcome, Request, Status
+
+
+def refusal(request: Request, declaration: Declaration) -> str:
+    """Why the request is outside the limits that were declared; nothing where it is not.
+
+    What is no field (no samples, a wrong rank) is outside no limits: it is asked about to see what
+    comes back.
+    """
+    field = request.field
+    if not is_field(field):
+        return ""
+    return declaration.limits.refusal(request.kind, field.shape, field.values.dtype)
+
+
+def is_field(field: Field) -> bool:
+    """Whether there are samples, and they fill a lattice."""
+    n = field.dimension
+    return field.values.size > 0 and field.values.ndim in (n, n + 1)
 
 
 def to_house(
     outcome: Outcome, request: Request, conventions: Conventions, *, placed: bool = False
 ) -> Outcome:
-    """The outcome with vertices in world units of the array's axes and normals to lower values.
+    """The outcome with vertices in world units of the array's axes and the house's orientation.
 
     `placed` says that world units already contain the field's origin. Arrays of the wrong shape
     or kind stay as they came, for the claims about structure to judge.
     """
     if outcome.status is Status.RAISED and conventions.empty == "raises":
         return _empty_for_error(outcome, request, conventions)
-    if outcome.status is not Status.OK or outcome.vertices is None or outcome.faces is None:
+    if outcome.status is not Status.OK or outcome.vertices is None or outcome.simplices is None:
         return outcome
-    vertices, faces = outcome.vertices, outcome.faces
+    vertices, simplices = outcome.vertices, outcome.simplices
     if vertices.ndim == 2 and vertices.shape[1] == request.field.dimension:
         vertices = _house_vertices(vertices, request.field, conventions, placed)
-    if faces.ndim == 2 and faces.shape[1] > 1 and _turns(conventions, request.field.dimension):
-        faces = faces[:, [*range(faces.shape[1] - 2), -1, -2]]
-    return replace(outcome, vertices=vertices, faces=faces)
+    if simplices.ndim == 2 and simplices.shape[1] > 1 and _turns(conventions, request.kind):
+        simplices = simplices[:, [*range(simplices.shape[1] - 2), -1, -2]]
+    return replace(outcome, vertices=vertices, simplices=simplices)
 
 
 def _house_vertices(
@@ -45,19 +64,36 @@ def _house_vertices(
     return vertices
 
 
-def _turns(conventions: Conventions, n: int) -> bool:
-    """Whether simplices must be turned over: normals to high, or axes reversed by a reflection."""
-    reflected = conventions.axes == "reversed" and n // 2 % 2 == 1
-    return (conventions.normals == "to_high") != reflected
+def is_reflection(conventions: Conventions, n: int) -> bool:
+    """Whether the axes come in an order that is a reflection: reversed, n of 2 or 3 modulo 4."""
+    return conventions.axes == "reversed" and n // 2 % 2 == 1
+
+
+def _turns(conventions: Conventions, kind: Kind) -> bool:
+    """Whether simplices must be turned over; those without orientation stay as they are."""
+    if conventions.normals == "none":
+        return False
+    return (conventions.normals == "to_high") != is_reflection(conventions, kind.n)
 
 
 def _empty_for_error(outcome: Outcome, request: Request, conventions: Conventions) -> Outcome:
-    """An empty mesh for the error declared for fields without a surface; else the error."""
-    values, n = request.field.values, request.field.dimension
-    tie = conventions.tie == "inside"
-    inside = values >= request.isovalue if tie else values > request.isovalue
-    is_field = values.ndim == n and values.size > 0 and np.isfinite(request.isovalue)
-    if not is_field or (inside.any() and not inside.all()):
+    """An empty mesh for the error declared for fields without a level set; else the error."""
+    field, kind = request.field, request.kind
+    if not is_field(field) or not np.isfinite(request.isovalues).all():
         return outcome
-    nothing = np.empty((0, n)), np.empty((0, n), np.int64)
-    return replace(outcome, status=Status.OK, vertices=nothing[0], faces=nothing[1])
+    parts = field.values.reshape(kind.m, *field.shape)
+    one_sided = [
+        _one_sided(part, isovalue, conventions)
+        for part, isovalue in zip(parts, request.isovalues, strict=True)
+    ]
+    if not any(one_sided):
+        return outcome
+    nothing = np.empty((0, kind.n)), np.empty((0, kind.k + 1), np.int64)
+    return replace(outcome, status=Status.OK, vertices=nothing[0], simplices=nothing[1])
+
+
+def _one_sided(values: NDArray[Any], isovalue: float, conventions: Conventions) -> bool:
+    """Whether all samples, each of them a number, are on one side of the isovalue."""
+    tie = conventions.tie == "inside"
+    inside = values >= isovalue if tie else values > isovalue
+    return not np.isnan(values).any() and not (inside.any() and not inside.all())

@@ -7,13 +7,14 @@ each field; the adapter reads them. No program of ours is needed in between::
     folder/cells/outside/137.npy      the samples, C order (last axis fastest)
     folder/cells/outside/137.nrrd     the same: NRRD's first axis is the array's first
     folder/cells/outside/137.ply      the answer: .ply, .obj, .off, .stl,
-    folder/cells/outside/137.vertices.npy and 137.faces.npy     or a pair of arrays
+    folder/cells/outside/137.vertices.npy and 137.simplices.npy (or 137.faces.npy)
+    folder/cells/outside/137.json     or an object as programs answer it (`isograde.adapters.exec`)
     folder/declaration.json           optional: what the implementation says of itself
 
-The manifest names the discipline and says how its samples and answers are laid out. For surfaces,
-vertices are ``origin + index * spacing`` in the order of the array's axes, faces are 0-based, and
-right-hand normals point to lower values, unless the declaration says otherwise. A field without a
-mesh counts as declined: no answer is not an empty mesh.
+The manifest says of each field its kind (n, m), and how samples and answers are laid out. Vertices
+are ``origin + index * spacing`` in the order of the array's axes, indices are 0-based, and
+right-hand normals point to lower values, unless the declaration says otherwise. A field without an
+answer counts as declined: no answer is not an empty mesh.
 """
 
 from __future__ import annotations
@@ -22,22 +23,45 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from isoref.field import Field
 
-from isograde.adapters.answers import MESH_FILES, AnswerError, Arrays, arrays_in, mesh_in
+from isograde.adapters.answers import MESH_FILES, json_in, load, mesh_in
 from isograde.adapters.child import MEGABYTE
-from isograde.adapters.conventions import to_house
-from isograde.adapters.declaring import check_json, declaration_from
-from isograde.model import AdapterError, Case, Declaration, Limits, Outcome, Request, Status
+from isograde.adapters.conventions import refusal, to_house
+from isograde.adapters.forms import AnswerError, Arrays, from_pair
+from isograde.adapters.process import samples
+from isograde.adapters.protocol import check_json, declared
+from isograde.declaration import Declaration, Scope
+from isograde.model import AdapterError, Case, Kind, Limits, Outcome, Request, Status
 
+FORMAT = 2
+VERTICES, SIMPLICES = ".vertices.npy", (".simplices.npy", ".faces.npy")
 MANIFEST = "manifest.json"
 DECLARATION = "declaration.json"
-ANSWER = "beside the values, same name: .ply .obj .off .stl, or .vertices.npy and .faces.npy"
+ANSWER = (
+    "beside the values, same name: .ply .obj .off .stl, .json, or .vertices.npy and .simplices.npy"
+)
+# What the manifest tells whoever answers it.
+LAYOUT: Mapping[str, str] = {
+    "kind": "[n, m]: m fields on an n-dimensional lattice; the answer has simplices of dimension "
+    "n - m on which each field has its isovalue",
+    "values": "npy in C order, last axis fastest, (N1, .., Nn) or (m, N1, .., Nn); the nrrd's "
+    "first axis is the array's first",
+    "inside": "value >= isovalue",
+    "vertices": "origin + index * spacing (V, n), coordinates in the order of the array's axes",
+    "simplices": "rows of n - m + 1 0-based indices; with g the gradients of the fields and t the "
+    "edges of a simplex, det(-g_1, .., -g_m, t_1, ..) > 0: right-hand normals of triangles point "
+    "to lower values, contours have the inside on their left",
+    "answer": ANSWER,
+    "json": 'an object of "vertices" and "simplices", or of "polylines": lists of points, the '
+    "first repeated where one is closed",
+    "nothing there": "a mesh without simplices; a missing file counts as unsupported",
+}
 
 
 class DirectoryAdapter:
@@ -56,7 +80,7 @@ class DirectoryAdapter:
         manifest = self._json(MANIFEST, "write one with `isograde export`")
         check_json(manifest, "manifest", str(self._folder / MANIFEST))
         self._entries = {(entry["id"], entry["variant"]): entry for entry in manifest["fields"]}
-        self.declaration = self._declared(manifest.get("discipline", "surfaces"))
+        self.declaration = self._declared()
         if self.answered() == 0:
             raise AdapterError(
                 f"{self._folder}: no mesh beside any of the {len(self._entries)} fields; "
@@ -78,7 +102,7 @@ class DirectoryAdapter:
         for entry in self._entries.values():
             for path in _answers(self._folder / entry["values"]):
                 try:
-                    self._read(path)
+                    self._read(path, Kind(*entry["kind"]))
                 except AnswerError as error:
                     reasons.append((str(path.relative_to(self._folder)), str(error)))
         return reasons
@@ -90,10 +114,12 @@ class DirectoryAdapter:
 
     def answer(self, request: Request) -> Outcome:
         """The mesh that was found for the request, as it stands in the file."""
+        if reason := refusal(request, self.declaration):
+            return Outcome(Status.DECLINED, detail=reason)
         entry = self._entries.get((request.case, request.variant))
         if entry is None:
             return Outcome(Status.DECLINED, detail=f"not exported: variant {request.variant}")
-        if entry["sha256"] != fingerprint(request.field, request.isovalue):
+        if entry["sha256"] != fingerprint(request.field, request.isovalues):
             return Outcome(Status.DECLINED, detail="exported with other numbers: export again")
         found = _answers(self._folder / entry["values"])
         if len(found) != 1:
@@ -101,34 +127,39 @@ class DirectoryAdapter:
             status = Status.GARBAGE if found else Status.DECLINED
             return Outcome(status, detail=detail if found else "no mesh was handed in")
         try:
-            vertices, faces = self._read(found[0])
+            vertices, simplices = self._read(found[0], request.kind)
         except AnswerError as error:
             return Outcome(error.status, detail=str(error))
-        return Outcome(Status.OK, vertices, faces)
+        return Outcome(Status.OK, vertices, simplices)
 
     def close(self) -> None:
         """Nothing runs, so there is nothing to stop."""
 
-    def _read(self, path: Path) -> Arrays:
+    def _read(self, path: Path, kind: Kind) -> Arrays:
         """The arrays of an answer; raises `AnswerError`."""
         limit = self._limits.megabytes * MEGABYTE
+        if path.suffix == ".json":
+            return json_in(path, limit, kind)
         if path.suffix != ".npy":
-            return mesh_in(path, limit)
-        faces = path.with_name(path.name.replace(".vertices.npy", ".faces.npy"))
-        return arrays_in(path, faces, limit)
+            return mesh_in(path, limit, kind)
+        stem = path.name.removesuffix(VERTICES)
+        beside = [path.with_name(stem + suffix) for suffix in SIMPLICES]
+        there = [one for one in beside if one.exists()]
+        if len(there) > 1:
+            raise AnswerError(f"{there[0].name} and {there[1].name} are the same thing twice")
+        rows = load(there[0] if there else beside[0], limit)
+        return from_pair(load(path, limit), rows, kind)
 
-    def _declared(self, discipline: str) -> Declaration:
-        """The declaration beside the manifest, or the least one for its discipline."""
+    def _declared(self) -> Declaration:
+        """The declaration beside the manifest, its kinds those of the fields unless it says so."""
+        kinds = sorted({(int(n), int(m)) for n, m in (e["kind"] for e in self._entries.values())})
         if not (self._folder / DECLARATION).exists():
-            return Declaration(self.spec, discipline=discipline)
-        said = {"discipline": discipline, **self._json(DECLARATION, "")}
-        declared = declaration_from(said, self.spec)
-        if declared.discipline != discipline:
-            raise AdapterError(
-                f"{self._folder / DECLARATION} declares {declared.discipline}, but the folder "
-                f"holds {discipline}: `isograde export --discipline {declared.discipline}`"
-            )
-        return declared
+            return Declaration(self.spec, limits=Scope(kinds=tuple(kinds)))
+        said = self._json(DECLARATION, "")
+        limits = said.get("limits", {}) if isinstance(said, dict) else None
+        if isinstance(limits, dict):
+            said = {**said, "limits": {"kinds": [list(kind) for kind in kinds], **limits}}
+        return declared(said, self.spec)
 
     def _json(self, name: str, hint: str) -> Any:
         """The contents of a JSON file in the folder; raises `AdapterError`."""
@@ -144,20 +175,15 @@ class DirectoryAdapter:
 def _answers(values: Path) -> list[Path]:
     """The files beside these values that hold an answer."""
     stem = values.name.removesuffix(".npy")
-    names = [stem + suffix for suffix in (*MESH_FILES, ".vertices.npy")]
+    names = [stem + suffix for suffix in (*MESH_FILES, ".json", VERTICES)]
     return [values.with_name(name) for name in names if values.with_name(name).exists()]
 
 
-def export(
-    directory: Path,
-    fields: Iterable[Case | Request],
-    discipline: str = "surfaces",
-    layout: Mapping[str, str] | None = None,
-) -> int:
-    """The folder holds these fields and a manifest; their number.
+def export(directory: Path, fields: Iterable[Case | Request]) -> int:
+    """The folder holds these fields, of any kind, and a manifest; their number.
 
-    Cases are written as they stand, requests with their variant; `layout` tells the reader of the
-    manifest how samples and answers stand in files. The folder appears whole or not at all.
+    Cases are written as they stand, requests with their variant. The folder appears whole or not
+    at all.
 
     Raises
     ------
@@ -170,8 +196,7 @@ def export(
     stage.mkdir(parents=True)
     try:
         entries = [_write(stage, _request(field)) for field in fields]
-        said = {"discipline": discipline, "conventions": dict(layout or {})}
-        manifest = {"format": 1, **said, "fields": entries}
+        manifest = {"format": FORMAT, "conventions": dict(LAYOUT), "fields": entries}
         text = json.dumps(manifest, indent=1)
         (stage / MANIFEST).write_text(text + "\n", encoding="utf-8")
         os.replace(stage, directory)
@@ -185,7 +210,7 @@ def _request(field: Case | Request) -> Request:
     """A case as the request for it as it stands."""
     if isinstance(field, Request):
         return field
-    return Request(field.id, "plain", field.build(), field.isovalue)
+    return Request(field.id, "plain", field.build(), field.isovalues)
 
 
 def _write(folder: Path, request: Request) -> dict[str, Any]:
@@ -194,21 +219,23 @@ def _write(folder: Path, request: Request) -> dict[str, Any]:
     stem = request.case if variant == "plain" else f"{request.case}@{variant}"
     values = folder / f"{stem}.npy"
     values.parent.mkdir(parents=True, exist_ok=True)
-    np.save(values, np.ascontiguousarray(field.values))
+    given = samples(field)
+    np.save(values, np.ascontiguousarray(given))
     files = {"values": f"{stem}.npy"}
-    if field.values.ndim == field.dimension:
+    if given.ndim == field.dimension:
         _write_nrrd(values.with_suffix(".nrrd"), field)
         files["nrrd"] = f"{stem}.nrrd"
     return {
         "id": request.case,
         "variant": variant,
+        "kind": list(request.kind),
         **files,
-        "isovalue": float(request.isovalue),
-        "shape": list(field.values.shape),
+        "isovalues": [float(isovalue) for isovalue in request.isovalues],
+        "shape": list(field.shape),
         "dtype": field.values.dtype.str,
         "spacing": list(field.spacing),
         "origin": list(field.origin),
-        "sha256": fingerprint(field, request.isovalue),
+        "sha256": fingerprint(field, request.isovalues),
     }
 
 
@@ -216,7 +243,7 @@ def _write_nrrd(path: Path, field: Field) -> None:
     """The file holds the samples and their place in space."""
     import nrrd
 
-    values = field.values
+    values = samples(field)
     widened = {"b1": np.uint8, "f2": np.float32}.get(values.dtype.str[1:])
     header = {
         "space dimension": field.dimension,
@@ -227,14 +254,15 @@ def _write_nrrd(path: Path, field: Field) -> None:
     nrrd.write(str(path), values.astype(widened) if widened else values, header)
 
 
-def fingerprint(field: Field, isovalue: float) -> str:
-    """SHA-256 of the samples, their type and place, and the isovalue.
+def fingerprint(field: Field, isovalues: Sequence[float]) -> str:
+    """SHA-256 of the samples, their type and place, and the isovalues.
 
-    >>> fingerprint(Field.of([[0, 1]]), 0.5) == fingerprint(Field.of([[0, 1]]), 0.25)
+    >>> fingerprint(Field.of([[0, 1]]), (0.5,)) == fingerprint(Field.of([[0, 1]]), (0.25,))
     False
     """
-    values = field.values
-    place = (values.dtype.str, values.shape, field.spacing, field.origin, float(isovalue))
+    values = samples(field)
+    levels = tuple(map(float, isovalues))
+    place = (values.dtype.str, values.shape, field.spacing, field.origin, levels)
     total = hashlib.sha256(repr(place).encode())
     total.update(np.ascontiguousarray(values).tobytes())
     return total.hexdigest()

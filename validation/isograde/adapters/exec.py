@@ -5,12 +5,12 @@ line (`protocol.schema.json` beside this file has every field); arrays stand in 
 
 It reads from standard input, and answers on standard output::
 
-    {"command": "start", "protocol": 2}
-        {"protocol": 2, "declaration": {"name": "mine", "level": 1}}
-    {"command": "run", "id": 7, "dtype": "<f8", "shape": [4, 4, 4], "spacing": [1.0, 1.0, 1.0],
-     "isovalue": 0.5, "offset": 128, "values": "/tmp/x/values.npy", "directory": "/tmp/x",
-     "case": "noise/7"}
-        {"id": 7, "vertices": [[0.5, 0.0, 0.0], ..], "faces": [[0, 1, 2], ..]}
+    {"command": "start", "protocol": 3}
+        {"protocol": 3, "declaration": {"name": "mine", "level": 1}}
+    {"command": "run", "id": 7, "dtype": "<f8", "shape": [4, 4, 4], "components": 1,
+     "spacing": [1.0, 1.0, 1.0], "isovalues": [0.5], "offset": 128, "values": "/tmp/x/values.npy",
+     "directory": "/tmp/x", "case": "noise/7"}
+        {"id": 7, "vertices": [[0.5, 0.0, 0.0], ..], "simplices": [[0, 1, 2], ..]}
     {"command": "stop"}
 
 An answer returns the ``id`` of its request, so that no answer can pass for another's. Each request
@@ -18,17 +18,21 @@ is one line, its keys always in this order, with one blank after each colon and 
 without a JSON library can read it with one ``sscanf`` (`tests/isograde/foreign/tetrahedra.c` is a
 whole implementation in C). An isovalue may be NaN, Infinity or -Infinity.
 
-The samples are in C order, the last axis fastest, little-endian, from byte ``offset`` of a .npy
-file. Instead of the arrays an answer may have the names of .npy files, ``"vertices": "v.npy"``, or
-of one mesh file, ``"mesh": "surface.off"`` (.ply, .obj, .off, .stl), which start at ``directory``;
-or ``"error": ".."``; or ``"unsupported": ".."`` for a field the program does not take. Vertices are
-``index * spacing`` in the order of the array's axes unless the declaration says otherwise; the
-grader adds the origin.
+The shape has n numbers. The samples are in C order, the last axis fastest, little-endian, from byte
+``offset`` of a .npy file; where there are several components, all samples of the first come before
+those of the second, and there are as many isovalues. Vertices are ``index * spacing`` in the order
+of the array's axes unless the declaration says otherwise; the grader adds the origin.
 
-Other disciplines differ in what the arrays hold, and in nothing else. A field of m components has
-the shape [m, N1, .., Nn]. Polylines are the pair of all their points and, for each point, the
-number of its polyline. The manifest of ``isograde export --discipline curves`` says how it is for
-curves, and so on (`LAYOUT` in the modules of `isograde.disciplines`). None has mesh files.
+Simplices are rows of n - m + 1 indices, counted from 0; for surfaces ``"faces"`` is another name
+for them. In their place an answer may have, as `isograde.adapters.forms` reads them,
+
+polygons        rows of more than three indices, of one length or of several
+polylines       ``"polylines": [[[0.5, 0.0], ..], ..]``; a closed one repeats its first point
+.npy files      ``"vertices": "v.npy", "simplices": "s.npy"``
+a mesh file     ``"mesh": "surface.off"`` (.ply, .obj, .off, .stl)
+a reason        ``"error": ".."``, or ``"unsupported": ".."`` for a field the program does not take
+
+Names of files start at ``directory``. What the declaration's ``limits`` refuse is never sent.
 
 Standard output belongs to the protocol: any other line on it, and an answer to another request, is
 garbage: it costs the case, and the program is started again.
@@ -46,14 +50,20 @@ from typing import Any
 
 import numpy as np
 
-from isograde.adapters.answers import AnswerError, Arrays, arrays_from, arrays_in, mesh_in
+from isograde.adapters.answers import arrays_said
 from isograde.adapters.child import MEGABYTE, Child, Ended
-from isograde.adapters.declaring import check_json, declaration_from
-from isograde.adapters.process import ProcessAdapter, empty, own_directory
-from isograde.model import AdapterError, Declaration, Outcome, Request, Status
+from isograde.adapters.conventions import is_field
+from isograde.adapters.forms import AnswerError
+from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
+from isograde.adapters.protocol import check_json, declared
+from isograde.declaration import Declaration
+from isograde.model import AdapterError, Outcome, Request, Status
 
-PROTOCOL = 2
-OLD = "it speaks protocol 1; now each answer returns the id of its request, and that is protocol 2"
+PROTOCOL = 3
+OLD = {
+    1: "it speaks protocol 1; since then each answer returns the id of its request",
+    2: "it speaks protocol 2; since then requests have isovalues and components",
+}
 # How much of a line that is no answer a report quotes.
 QUOTED = 120
 
@@ -73,10 +83,14 @@ class ExecAdapter(ProcessAdapter):
         """What the program declares."""
         _tell(child, {"command": "start", "protocol": PROTOCOL})
         line, said = _line(child)
-        if isinstance(said, dict) and said.get("protocol") == 1:
-            raise AdapterError(f"{self.spec}: {OLD}")
+        if not isinstance(said, dict):
+            raise AdapterError(f"{self.spec}: the answer {_quoted(line)} is not an object")
+        spoken = said.get("protocol")
+        if isinstance(spoken, int) and spoken in OLD:
+            raise AdapterError(f"{self.spec}: {OLD[spoken]}, and that is protocol {PROTOCOL}")
+        declaration = declared(said.get("declaration", {}), self.spec)
         check_json(said, "started", f"the answer {_quoted(line)}")
-        return declaration_from(said.get("declaration", {}), self.spec)
+        return declaration
 
     def _ask(self, child: Child, request: Request) -> Outcome:
         """What the program answered; garbage ends it, for it may be out of step."""
@@ -86,7 +100,7 @@ class ExecAdapter(ProcessAdapter):
         start = time.perf_counter()
         said = self._answered(child)
         seconds = said.get("seconds", time.perf_counter() - start)
-        outcome = replace(self._read(said), seconds=seconds, peak_bytes=child.peak_bytes)
+        outcome = replace(self._read(said, request), seconds=seconds, peak_bytes=child.peak_bytes)
         empty(self._directory)
         return outcome
 
@@ -112,52 +126,38 @@ class ExecAdapter(ProcessAdapter):
 
     def _written(self, request: Request) -> dict[str, Any]:
         """The request, its samples written to a file."""
-        values = request.field.values
+        field = request.field
+        values = samples(field)
         solid = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
         path = self._directory / "values.npy"
         np.save(path, solid)
+        several = is_field(field) and values.ndim > field.dimension
         return {
             "command": "run",
             "id": self.number,
             "dtype": solid.dtype.str,
-            "shape": solid.shape,
-            "spacing": request.field.spacing,
-            "isovalue": float(request.isovalue),
+            "shape": solid.shape[several:],
+            "components": len(solid) if several else 1,
+            "spacing": field.spacing,
+            "isovalues": [float(isovalue) for isovalue in request.isovalues],
             "offset": path.stat().st_size - solid.nbytes,
             "values": str(path),
             "directory": str(self._directory),
             "case": request.case,
         }
 
-    def _read(self, said: dict[str, Any]) -> Outcome:
+    def _read(self, said: dict[str, Any], request: Request) -> Outcome:
         """What an answer says, its files read."""
         if "error" in said:
             return Outcome(Status.RAISED, detail=said["error"])
         if "unsupported" in said:
             return Outcome(Status.DECLINED, detail=said["unsupported"])
+        limit = self.limits.megabytes * MEGABYTE
         try:
-            vertices, faces = self._arrays(said)
+            vertices, simplices = arrays_said(said, self._directory, limit, request.kind)
         except AnswerError as error:
             return Outcome(error.status, detail=str(error))
-        return Outcome(Status.OK, vertices, faces)
-
-    def _arrays(self, said: dict[str, Any]) -> Arrays:
-        """The arrays of an answer; raises `AnswerError`."""
-        limit = self.limits.megabytes * MEGABYTE
-        if "mesh" in said:
-            return mesh_in(self._directory / said["mesh"], limit)
-        pair = said["vertices"], said["faces"]
-        if any(isinstance(part, str) for part in pair):
-            vertices, faces = (self._directory / str(part) for part in pair)
-            return arrays_in(vertices, faces, limit)
-        if self.declaration.discipline == "surfaces":
-            pair = _rows_of_three(pair[0]), _rows_of_three(pair[1])
-        return arrays_from(pair)
-
-
-def _rows_of_three(rows: list[Any]) -> Any:
-    """The rows; where there are none, JSON cannot say that they would have three entries."""
-    return rows or np.empty((0, 3), np.int64)
+        return Outcome(Status.OK, vertices, simplices)
 
 
 def _tell(child: Child, message: dict[str, Any]) -> None:

@@ -2,36 +2,49 @@
 
 How to write an implementation in Python
 ----------------------------------------
-A function ``function(values, isovalue, spacing) -> (vertices, faces)``:
+A function ``extract(values, isovalue, spacing)``:
 
 values      NumPy array of n axes, of any real type and any memory layout; not to be written to
 isovalue    a float
 spacing     a tuple of n floats
-vertices    (V, n) numbers: ``index * spacing``, coordinates in the order of the array's axes
-faces       (S, n) integers, rows of 0-based indices into `vertices`
+answer      a pair (vertices, simplices): (V, n) numbers, ``index * spacing`` in the order of the
+            array's axes, and rows of 0-based indices into them; or polygons, polylines, a soup, a
+            mesh (`isograde.adapters.forms`)
+
+Where m > 1 fields meet it is ``extract(values, isovalues, spacing)`` with values (m, N1, .., Nn)
+and a tuple of m floats, or, with 2 m + 1 parameters, ``extract(a, b, isovalue_a, isovalue_b,
+spacing)`` and so on: the number of parameters without a default tells which.
 
 Name it ``python:package.module:function`` or ``python:path/to/file.py:function``.
 
-It may say what it is in a declaration (`isograde.adapters.declaring`): a dictionary, or a function
-without parameters that returns one, found as an attribute ``declaration`` of the function, or
-else under the name ``declaration`` in its module. To decline a field, raise `NotImplementedError`.
-With ``{"discipline": "curves"}``, ``"contours"`` or ``"simplices"`` the function has that
-discipline's own signature (`isograde.disciplines`).
+It may say what it is in a declaration (`isograde.declaration`): a dictionary, or a function without
+parameters that returns one, found as an attribute ``declaration`` of the function, or else under
+the name ``declaration`` in its module. Whoever makes anything but surfaces says so there, as
+``{"limits": {"kinds": [[2, 1]]}}`` for contours; a function of 2 m + 1 > 3 parameters is taken to
+be for m fields in space. To decline a field, raise `NotImplementedError`.
 """
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
+import inspect
 import re
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from isograde.adapters.declaring import declaration_from
-from isograde.adapters.ready_made import READY_MADE
-from isograde.model import AdapterError, Declaration, Extract
+from numpy.typing import NDArray
+
+from isograde.adapters.protocol import declared
+from isograde.adapters.registry import READY_MADE
+from isograde.declaration import Declaration
+from isograde.model import AdapterError
+
+# A function as the worker calls it: samples, one isovalue a component, spacing.
+Call = Callable[[NDArray[Any], tuple[float, ...], tuple[float, ...]], Any]
 
 # The system packages (Debian's names) that hold the shared libraries wheels do not bring along.
 SYSTEM_PACKAGES = {
@@ -54,15 +67,77 @@ SYSTEM_PACKAGES = {
 }
 
 
-def load(spec: str) -> tuple[Extract, Declaration]:
+def load(spec: str) -> tuple[Call, Declaration]:
     """The function that `spec` names, and what it declares; raises `AdapterError`."""
     if spec.startswith("python:"):
-        return _load_python(spec)
+        function, said = _load_python(spec)
+        required = required_parameters(function)
+        if isinstance(said, Mapping):
+            said = _with_kinds(said, required)
+        declaration = declared(said, spec)
+        for kind in declaration.limits.kinds:
+            if required not in (3, 2 * kind[1] + 1):
+                raise AdapterError(f"{spec}: {_miscounted(required, kind)}")
+        return as_called(function, required), declaration
     ready = READY_MADE[spec]
     try:
-        return ready.load(), ready.declaration(spec)
+        for name in ready.imports:
+            importlib.import_module(name)
     except (ImportError, OSError) as error:
         raise AdapterError(f"{spec}: {advice(error, ready.distribution)}") from error
+    function = ready.function()
+    return as_called(function, required_parameters(function)), ready.declaration()
+
+
+def required_parameters(function: Callable[..., Any]) -> int:
+    """How many arguments the function is called with: three, or as many as it asks for.
+
+    >>> required_parameters(lambda values, isovalue, spacing=None: None)
+    3
+    >>> required_parameters(lambda a, b, isovalue_a, isovalue_b, spacing: None)
+    5
+    """
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return 3
+    try:
+        signature.bind(None, None, None)
+        return 3
+    except TypeError:
+        positional = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD
+        return sum(
+            one.kind in positional and one.default is one.empty
+            for one in signature.parameters.values()
+        )
+
+
+def _with_kinds(said: Mapping[str, Any], required: int) -> Mapping[str, Any]:
+    """What is said, with the kind that 2 m + 1 parameters tell where none is said."""
+    limits = said.get("limits", {})
+    if required <= 3 or required % 2 == 0 or not isinstance(limits, Mapping) or "kinds" in limits:
+        return said
+    return {**said, "limits": {**limits, "kinds": [[3, required // 2]]}}
+
+
+def _miscounted(required: int, kind: tuple[int, int]) -> str:
+    """What a function with too few or too many parameters should have."""
+    m = kind[1]
+    apart = "" if m == 1 else f", or {2 * m + 1}: {m} arrays, {m} isovalues, spacing"
+    return f"it asks for {required} arguments; for (n, m) = {kind} it is called with 3{apart}"
+
+
+def as_called(function: Callable[..., Any], required: int) -> Call:
+    """The function as the worker calls it, whichever of its signatures it has."""
+
+    def call(values: NDArray[Any], isovalues: tuple[float, ...], spacing: tuple[float, ...]) -> Any:
+        if len(isovalues) == 1:
+            return function(values, isovalues[0], spacing)
+        if required == 3:
+            return function(values, isovalues, spacing)
+        return function(*values, *isovalues, spacing)
+
+    return call
 
 
 def advice(error: Exception, distribution: str) -> str:
@@ -82,8 +157,8 @@ def advice(error: Exception, distribution: str) -> str:
     return f"the system library {library} is missing: install it (Debian, Ubuntu: {how})"
 
 
-def _load_python(spec: str) -> tuple[Extract, Declaration]:
-    """The function of a ``python:`` name, and what it declares."""
+def _load_python(spec: str) -> tuple[Callable[..., Any], object]:
+    """The function of a ``python:`` name, and what it says of itself."""
     place, _, name = spec.removeprefix("python:").rpartition(":")
     if not place or not name:
         raise AdapterError(
@@ -93,36 +168,19 @@ def _load_python(spec: str) -> tuple[Extract, Declaration]:
         module = _module(place)
     except Exception as error:
         raise AdapterError(f"{spec}: importing {place}: {type(error).__name__}: {error}") from error
-    function = module
+    function: Any = module
     for part in name.split("."):
-        function = getattr(function, part, None)  # type: ignore[assignment]
+        function = getattr(function, part, None)
     if not callable(function):
         others = [n for n in vars(module) if callable(getattr(module, n)) and n[0] != "_"]
         raise AdapterError(f"{spec}: {place} has no function {name}; it has {', '.join(others)}")
     said = getattr(function, "declaration", getattr(module, "declaration", {}))
     try:
-        said = said() if callable(said) else said
+        return function, said() if callable(said) else said
     except Exception as error:
         raise AdapterError(
             f"{spec}: its declaration raised {type(error).__name__}: {error}"
         ) from error
-    declaration = declaration_from(said, spec)
-    return _as_called(function, declaration), declaration
-
-
-# Disciplines whose functions have a signature of their own, adapted by their `through_adapter`.
-OWN_SIGNATURE = ("contours", "curves", "simplices")
-
-
-def _as_called(function: Any, declaration: Declaration) -> Extract:
-    """The function as the worker calls it, whatever the signature of its discipline."""
-    name = declaration.discipline
-    if name in OWN_SIGNATURE and not getattr(function, "adapted", False):
-        discipline = importlib.import_module(f"isograde.disciplines.{name}")
-        adapted: Extract = discipline.through_adapter(function)
-        return adapted
-    extract: Extract = function
-    return extract
 
 
 def _module(place: str) -> ModuleType:

@@ -1,37 +1,47 @@
 """The conventions of an implementation, as measured: what it does, not what it says.
 
-Each convention is found out with a few small fields whose answers differ by it. ``isograde check``
-shows where the measurement differs from the declaration, and a test holds the declarations of the
-ready-made adapters to it.
+Each convention is found out with a few small fields whose answers differ by it, for any kind
+(n, m). ``isograde check`` shows where the measurement differs from the declaration, and a test
+holds the declarations of the ready-made adapters to it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
 from itertools import product
-from typing import Literal
+from math import factorial
+from typing import Any, Literal
 
 import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
 
-from isograde.model import Conventions, Outcome, Status
+from isograde.adapters.conventions import is_reflection
+from isograde.declaration import Conventions
+from isograde.model import SURFACES, Kind, Outcome, Status
 
-Ask = Callable[[Field, float], Outcome]
+# A question at one isovalue for each component.
+Ask = Callable[[Field, tuple[float, ...]], Outcome]
 Values = NDArray[np.float64]
+Side = Literal["inside", "outside"]
+Normals = Literal["to_low", "to_high", "none"]
+Axes = Literal["array", "reversed"]
+Units = Literal["world", "index"]
 
 # Different along every axis, so that no two orders of the axes look alike.
-SHAPE = (5, 6, 7)
-SPACING = (1.0, 2.0, 3.0)
+SHAPE = (5, 6, 7, 8, 9, 10)
+SHIFTS = (0.1, -0.1, 0.2, -0.2, 0.15, -0.15)
 LEVEL = 1.0
+RADIUS = 3.0**0.5
 TIED_FIELDS = 24
 NUDGE = 1e-3
-# How much the two areas must differ, in faces of a cell, to tell the sides apart.
-TELLING_AREA = 0.3
-# How near, as a share of that difference, the tied field's area must be to one of them.
+# How much the two sizes must differ, in faces of a cell, to tell the sides apart.
+TELLING_SIZE = 0.3
+# How near, as a share of that difference, the tied field's size must be to one of them.
 CLOSE = 0.1
-# Share of the telling fields that must agree on the side of a tie.
+# Share of the telling fields, or of the simplices' sizes, that must agree.
 MAJORITY = 0.9
 
 
@@ -39,10 +49,10 @@ MAJORITY = 0.9
 class Measured:
     """What was seen of each convention; None where it could not be told."""
 
-    tie: Literal["inside", "outside"] | None = None
-    normals: Literal["to_low", "to_high"] | None = None
-    axes: Literal["array", "reversed"] | None = None
-    units: Literal["world", "index"] | None = None
+    tie: Side | None = None
+    normals: Normals | None = None
+    axes: Axes | None = None
+    units: Units | None = None
     nan: Literal["raises", "answers"] | None = None
     empty: Literal["mesh", "raises"] | None = None
 
@@ -52,77 +62,112 @@ class Measured:
         return [row for row in rows if row[2] is not None and row[1] != row[2]]
 
 
-def measure(ask: Ask) -> Measured:
-    """The conventions of whatever answers to ``ask(field, isovalue)``, its answers unconverted."""
-    field = ball()
-    outcome = ask(field, LEVEL)
+def measure(ask: Ask, kind: Kind = SURFACES) -> Measured:
+    """The conventions of whatever answers to ``ask(field, isovalues)``, its answers unconverted."""
+    field = ball(kind)
+    outcome = ask(field, levels(kind))
     axes, units = frame(outcome, field)
     return Measured(
-        tie=side_of_ties(ask),
-        normals=facing(outcome),
+        tie=side_of_ties(ask, kind),
+        normals=None if axes is None or units is None else facing(outcome, field, axes, units),
         axes=axes,
         units=units,
-        nan=with_nan(ask),
-        empty=without_surface(ask),
+        nan=with_nan(ask, kind),
+        empty=without_surface(ask, kind),
     )
 
 
-def ball(shape: tuple[int, int, int] = SHAPE, spacing: tuple[float, ...] = SPACING) -> Field:
-    """High in the middle of the lattice, off the centre, and low at the border."""
-    i, j, k = np.indices(shape)
-    a, b, c = ((n - 1) / 2 + shift for n, shift in zip(shape, (0.1, -0.1, 0.2), strict=True))
-    return Field.of(4 - (i - a) ** 2 - (j - b) ** 2 - (k - c) ** 2, spacing)
+def levels(kind: Kind) -> tuple[float, ...]:
+    """The isovalues at which `ball` has its sphere: 1 for the ball, 0 for the planes."""
+    return (LEVEL,) + (0.0,) * (kind.m - 1)
 
 
-def frame(
-    outcome: Outcome, field: Field
-) -> tuple[Literal["array", "reversed"] | None, Literal["world", "index"] | None]:
-    """The order of the axes and the units in which the vertices lie where the surface is."""
-    vertices = _points(outcome)
+def ball(kind: Kind = SURFACES) -> Field:
+    """A ball, high in the middle of the lattice, off its centre; with m - 1 planes through that.
+
+    The k-sphere in which they meet lies in the first k + 1 axes.
+    """
+    centre = _centre(kind.n)
+    places = np.indices(SHAPE[: kind.n], dtype=float) - np.expand_dims(
+        centre, tuple(range(1, kind.n + 1))
+    )
+    high = 4 - np.einsum("i...,i...->...", places, places)
+    spacing = tuple(float(1 + axis) for axis in range(kind.n))
+    if kind.m == 1:
+        return Field.of(high, spacing)
+    return Field.of(np.stack([high, *places[kind.k + 1 :]]), spacing, dimension=kind.n)
+
+
+def _centre(n: int) -> Values:
+    """The centre of the ball, in samples."""
+    return (np.array(SHAPE[:n]) - 1) / 2 + SHIFTS[:n]
+
+
+def frame(outcome: Outcome, field: Field) -> tuple[Axes | None, Units | None]:
+    """The order of the axes and the units in which the vertices lie where the sphere is."""
+    n = field.dimension
+    vertices = _points(outcome, n)
     if vertices is None:
         return None, None
-    target = _box(field, LEVEL)
-    orders: tuple[Literal["array", "reversed"], ...] = ("array", "reversed")
-    scales: tuple[Literal["world", "index"], ...] = ("world", "index")
+    centre, reach = _centre(n), np.zeros(n)
+    reach[: n - field.components + 1] = RADIUS
+    target = np.stack([centre - reach, centre + reach])
+    orders: tuple[Axes, ...] = ("array", "reversed")
+    scales: tuple[Units, ...] = ("world", "index")
     errors = {}
     for order, scale in product(orders, scales):
-        turned = vertices[:, ::-1] if order == "reversed" else vertices
-        index = turned / field.spacing if scale == "world" else turned
+        index = _index(vertices, field, order, scale)
         errors[order, scale] = np.abs([index.min(0), index.max(0)] - target).max()
     best = min(errors, key=lambda key: float(errors[key]))
     return best if errors[best] < 1 else (None, None)
 
 
-def facing(outcome: Outcome) -> Literal["to_low", "to_high"] | None:
-    """Where right-hand normals point, on a surface round high values, in its own coordinates."""
-    vertices, faces = _points(outcome), outcome.faces
-    if vertices is None or faces is None or faces.dtype.kind not in "iu" or faces.ndim != 2:
-        return None
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        return None
-    a, b, c = vertices[faces[:, :3]].swapaxes(0, 1)
-    volume = np.einsum("ij,ij->", a - vertices[0], np.cross(b - a, c - a))
-    return "to_low" if volume > 0 else "to_high"
+def _index(vertices: Values, field: Field, axes: Axes, units: Units) -> Values:
+    """The vertices in samples, in the order of the array's axes."""
+    turned = vertices[:, ::-1] if axes == "reversed" else vertices
+    return turned / field.spacing if units == "world" else turned
 
 
-def side_of_ties(ask: Ask) -> Literal["inside", "outside"] | None:
+def facing(outcome: Outcome, field: Field, axes: Axes, units: Units) -> Normals | None:
+    """Where right-hand normals point, on the sphere round high values, in its own coordinates."""
+    n, m = field.dimension, field.components
+    vertices, rows = _points(outcome, n), _rows(outcome, n - m)
+    if vertices is None or rows is None or n == m:
+        return None
+    corners = _index(vertices, field, axes, units)[rows]
+    # Put the edges of each simplex after the negated gradients at its middle.
+    frames = np.zeros((len(rows), n, n))
+    frames[:, 0] = corners.mean(axis=1) - _centre(n)
+    frames[:, range(1, m), range(n - m + 1, n)] = -1.0
+    frames[:, m:] = corners[:, 1:] - corners[:, :1]
+    signed = np.linalg.det(frames)
+    total, whole = float(signed.sum()), float(np.abs(signed).sum())
+    if abs(total) < MAJORITY * whole or not whole:
+        return "none"
+    right = (total > 0) != is_reflection(Conventions(axes=axes), n)
+    return "to_low" if right else "to_high"
+
+
+def side_of_ties(ask: Ask, kind: Kind = SURFACES) -> Side | None:
     """The side to which samples equal to the isovalue belong.
 
     A field of -1, 0 and 1 at isovalue 0 is compared with the fields whose zeros are a little
-    higher and a little lower. Flat features vanish with the nudge, so that the surface's area is
-    that of one of the two. Fields for which both have the same area tell nothing, and neither do
+    higher and a little lower. Flat features vanish with the nudge, so that the level set's size is
+    that of one of the two. Fields for which both have the same size tell nothing, and neither do
     those that are like none of the two, since a tie also decides how a cell is filled.
     """
     rng = np.random.default_rng(1987)
+    shape = (3,) * kind.n if kind.m == 1 else (kind.m, *(3,) * kind.n)
+    size = partial(_size, kind=kind)
     inside = outside = 0
     for _ in range(TIED_FIELDS):
-        values = rng.integers(-1, 2, (3, 3, 3)).astype(float)
+        values = rng.integers(-1, 2, shape).astype(float)
         tied, high, low = (
-            _area(ask(Field.of(np.where(values == 0, nudge, values)), 0.0))
-            for nudge in (0.0, NUDGE, -NUDGE)
+            size(ask(Field.of(np.where(values == 0, nudge, values), dimension=kind.n), zeros))
+            for nudge, zeros in ((by, (0.0,) * kind.m) for by in (0.0, NUDGE, -NUDGE))
         )
         gap = abs(high - low)
-        if gap > TELLING_AREA:
+        if gap > TELLING_SIZE:
             inside += abs(tied - high) < CLOSE * gap
             outside += abs(tied - low) < CLOSE * gap
     told = inside + outside
@@ -131,50 +176,51 @@ def side_of_ties(ask: Ask) -> Literal["inside", "outside"] | None:
     return "inside" if inside > outside else "outside"
 
 
-def with_nan(ask: Ask) -> Literal["raises", "answers"]:
-    """What a sample that is not a number does, beside the surface."""
-    field = ball()
+def with_nan(ask: Ask, kind: Kind = SURFACES) -> Literal["raises", "answers"]:
+    """What a sample that is not a number does, beside the level set."""
+    field = ball(kind)
     values = field.values.copy()
-    values[2, 2, 3] = np.nan
-    answered = ask(Field(values, field.spacing, field.origin), LEVEL).status is Status.OK
-    return "answers" if answered else "raises"
+    near = tuple(int(x) for x in _centre(kind.n).round())
+    at: tuple[Any, ...] = (..., *near)
+    values[at] = np.nan
+    asked = Field(values, field.spacing, field.origin)
+    return "answers" if ask(asked, levels(kind)).status is Status.OK else "raises"
 
 
-def without_surface(ask: Ask) -> Literal["mesh", "raises"]:
+def without_surface(ask: Ask, kind: Kind = SURFACES) -> Literal["mesh", "raises"]:
     """What an isovalue above and one below all samples give."""
-    answered = all(ask(ball(), level).status is Status.OK for level in (99.0, -99.0))
+    beyond = [(level, *levels(kind)[1:]) for level in (99.0, -999.0)]
+    answered = all(ask(ball(kind), level).status is Status.OK for level in beyond)
     return "mesh" if answered else "raises"
 
 
-def _points(outcome: Outcome) -> Values | None:
-    """The vertices, or None where there are none in space."""
+def _points(outcome: Outcome, n: int) -> Values | None:
+    """The vertices, or None where there are none in n dimensions."""
     vertices = outcome.vertices
-    if vertices is None or vertices.ndim != 2 or vertices.shape[1] != 3 or not len(vertices):
+    if vertices is None or vertices.ndim != 2 or vertices.shape[1] != n or not len(vertices):
         return None
     points: Values = vertices.astype(np.float64)
     return points if np.isfinite(points).all() else None
 
 
-def _box(field: Field, level: float) -> Values:
-    """Least and greatest index coordinates at which lattice edges cross the level."""
-    values = field.values.astype(np.float64)
-    crossings = []
-    for axis in range(values.ndim):
-        low, high = (np.moveaxis(values, axis, 0)[part] for part in (slice(-1), slice(1, None)))
-        where = np.argwhere((low >= level) != (high >= level))
-        at = tuple(where.T)
-        points = where.astype(float)
-        points[:, 0] += (level - low[at]) / (high[at] - low[at])
-        order = [axis, *(a for a in range(values.ndim) if a != axis)]
-        crossings.append(points[:, np.argsort(order)])
-    every = np.concatenate(crossings)
-    return np.stack([every.min(0), every.max(0)])
+def _rows(outcome: Outcome, k: int) -> NDArray[np.int64] | None:
+    """The simplices, or None where they are none of dimension k on the vertices."""
+    rows, vertices = outcome.simplices, outcome.vertices
+    if rows is None or vertices is None or rows.dtype.kind not in "iu":
+        return None
+    if rows.ndim != 2 or rows.shape[1] != k + 1 or not len(rows):
+        return None
+    if rows.min() < 0 or rows.max() >= len(vertices):
+        return None
+    return rows.astype(np.int64)
 
 
-def _area(outcome: Outcome) -> float:
-    """The area of the mesh, NaN where there is none."""
-    mesh = outcome.mesh
+def _size(outcome: Outcome, kind: Kind) -> float:
+    """The k-dimensional volume of the mesh, NaN where there is none."""
+    mesh = outcome.mesh_of(kind)
     if mesh is None:
         return 0.0 if outcome.status is Status.RAISED else float("nan")
-    a, b, c = mesh.vertices[mesh.simplices[:, :3]].swapaxes(0, 1)
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+    corners = mesh.vertices[mesh.simplices]
+    edges = corners[:, 1:] - corners[:, :1]
+    gram = np.linalg.det(edges @ edges.swapaxes(1, 2)) if kind.k else np.ones(len(corners))
+    return float(np.sqrt(gram.clip(0)).sum() / factorial(kind.k))

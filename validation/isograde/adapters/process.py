@@ -8,10 +8,15 @@ import weakref
 from abc import ABC, abstractmethod
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
+from typing import Any
+
+from isoref.field import Field
+from numpy.typing import NDArray
 
 from isograde.adapters.child import Child, Ended
-from isograde.adapters.conventions import to_house
-from isograde.model import AdapterError, Declaration, Limits, Outcome, Request, Status
+from isograde.adapters.conventions import refusal, to_house
+from isograde.declaration import Declaration
+from isograde.model import AdapterError, Limits, Outcome, Request, Status
 
 # Imports may be slow on a busy machine, however short a call may be.
 START_LIMITS = Limits(seconds=120.0, megabytes=4096)
@@ -28,6 +33,17 @@ def empty(directory: Path) -> None:
     """The folder has nothing in it."""
     for path in directory.iterdir():
         shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+
+
+def samples(field: Field) -> NDArray[Any]:
+    """The samples as they are sent: without an axis for a single component.
+
+    >>> samples(Field.of([[[1.0, 2.0]]], dimension=2)).shape
+    (1, 2)
+    """
+    single = field.values.ndim == field.dimension + 1 and len(field.values) == 1
+    values: NDArray[Any] = field.values[0] if single else field.values
+    return values
 
 
 class ProcessAdapter(ABC):
@@ -67,7 +83,9 @@ class ProcessAdapter(ABC):
         return to_house(self.answer(request), request, self.declaration.conventions)
 
     def answer(self, request: Request) -> Outcome:
-        """The outcome of one call, as it came."""
+        """The outcome of one call, as it came; nothing is sent that the limits refuse."""
+        if reason := refusal(request, self.declaration):
+            return Outcome(Status.DECLINED, detail=reason)
         try:
             self._child = self._child or self._start()
             self._child.allow(self.limits)

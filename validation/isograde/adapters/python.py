@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isograde.adapters.child import MEGABYTE, Child, Ended
-from isograde.adapters.declaring import declaration_from
 from isograde.adapters.frames import FrameError, pack, unpack
-from isograde.adapters.process import ProcessAdapter, empty, own_directory
-from isograde.model import AdapterError, Declaration, Outcome, Request, Status
+from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
+from isograde.adapters.protocol import declared
+from isograde.declaration import Declaration
+from isograde.model import AdapterError, Outcome, Request, Status
 
 # Strides that span more than so many times the samples are not reproduced in the worker. Every
 # second sample along three axes spans eight times.
@@ -47,14 +48,14 @@ class PythonAdapter(ProcessAdapter):
             ) from error
         if "error" in header:
             raise AdapterError(header["error"])
-        return declaration_from(header["declaration"], self.spec)
+        return declared(header["declaration"], self.spec)
 
     def _ask(self, child: Child, request: Request) -> Outcome:
         """What the function returned, or how the call ended."""
-        values = request.field.values
+        values = samples(request.field)
         header = {
             "id": self.number,
-            "isovalue": float(request.isovalue),
+            "isovalues": [float(isovalue) for isovalue in request.isovalues],
             "spacing": request.field.spacing,
             "strides": _strides(values),
             "seconds": self.limits.seconds,
@@ -70,10 +71,10 @@ class PythonAdapter(ProcessAdapter):
             empty(self._directory)
         if said["id"] != self.number:
             raise Ended(Status.GARBAGE, f"it answered request {said['id']} a second time")
-        vertices, faces = arrays or (None, None)
+        vertices, simplices = arrays or (None, None)
         cost = {"seconds": said["seconds"], "peak_bytes": said["peak"]}
         status, changed = Status(said["status"]), said["changed"]
-        return Outcome(status, vertices, faces, said["detail"], changed, **cost)
+        return Outcome(status, vertices, simplices, said["detail"], changed, **cost)
 
 
 def _strides(values: NDArray[Any]) -> Sequence[int]:

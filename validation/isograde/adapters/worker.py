@@ -9,9 +9,9 @@ Messages
 --------
 load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"declaration": {..}}``
         or ``{"error": ..}``; `path` is Python's, `files` begins the names of files for arrays
-run     ``{"id": n, "isovalue": x, "spacing": [..], "strides": [..], "seconds": s}`` and the
+run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "seconds": s}`` and the
         samples: answered by the same ``id`` with ``{"status": .., "detail": .., "changed": ..,
-        "seconds": .., "peak": ..}`` and, where the status is "ok", vertices and faces
+        "seconds": .., "peak": ..}`` and, where the status is "ok", vertices and simplices
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from isograde.adapters.answers import AnswerError, arrays_from
-from isograde.adapters.declaring import declaration_json
+from isograde.adapters.forms import AnswerError, arrays_from
 from isograde.adapters.frames import Arrays, Header, pack, unpack
-from isograde.adapters.loading import load
-from isograde.model import AdapterError, Extract, Status
+from isograde.adapters.loading import Call, load
+from isograde.declaration import declaration_json
+from isograde.model import AdapterError, Kind, Status
 
 # A worker whose grader is gone ends itself this long after the time limit.
 GRACE_SECONDS = 10.0
@@ -92,7 +92,7 @@ def _send(sink: int, buffers: list[bytes | memoryview]) -> None:
             rest = rest[os.write(sink, rest) :]
 
 
-def _serve_load(header: Header, sink: int) -> Extract | None:
+def _serve_load(header: Header, sink: int) -> Call | None:
     """The function that was asked for, its declaration sent; None where it cannot be loaded."""
     sys.path += [entry for entry in header["path"] if entry not in sys.path]
     try:
@@ -105,7 +105,7 @@ def _serve_load(header: Header, sink: int) -> Extract | None:
 
 
 def _call(
-    extract: Extract, header: Header, samples: NDArray[Any], memory: Memory
+    extract: Call, header: Header, samples: NDArray[Any], memory: Memory
 ) -> tuple[Header, Arrays]:
     """The answer to one request: how it went, what it cost, and the mesh if there is one."""
     given = _laid_out(samples, header["strides"])
@@ -117,17 +117,19 @@ def _call(
     arrays: Arrays = []
     if status is Status.OK:
         try:
-            arrays = arrays_from(answer)
+            kind = Kind(len(header["spacing"]), len(header["isovalues"]))
+            arrays = list(arrays_from(answer, kind))
         except AnswerError as error:
             status, detail = error.status, str(error)
     report: Header = {"status": status, "detail": detail, "seconds": seconds, "peak": peak}
     return {**report, "id": header["id"], "changed": _differ(samples, given)}, arrays
 
 
-def _outcome(extract: Extract, given: NDArray[Any], header: Header) -> tuple[Status, str, object]:
+def _outcome(extract: Call, given: NDArray[Any], header: Header) -> tuple[Status, str, object]:
     """What the implementation did. An exit is let through: it ends the process, as it would."""
     try:
-        return Status.OK, "", extract(given, header["isovalue"], tuple(header["spacing"]))
+        places = tuple(header["isovalues"]), tuple(header["spacing"])
+        return Status.OK, "", extract(given, *places)
     except MemoryError as error:
         return Status.MEMORY, f"MemoryError: {error}", None
     except NotImplementedError as error:

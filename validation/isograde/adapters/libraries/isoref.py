@@ -1,0 +1,119 @@
+"""isoref: every method of the reference."""
+
+
+def surface(values, isovalue, spacing, method):
+    """The surface by the method of this name in the catalogue."""
+    from isoref import extract
+
+    return extract(values, isovalue, spacing, method=method)
+
+
+def simplicial(values, isovalue, spacing, rule):
+    """The level set on Kuhn's simplices, for any number of axes and fields."""
+    from isoref.field import Field
+    from isoref.simplicial import extract
+
+    return extract(Field.of(values, spacing, dimension=len(spacing)), isovalue, rule=rule)
+
+
+def diconex(values, isovalue, spacing, mode):
+    """The contours of DICONEX, open ones first."""
+    from isoref.diconex import diconex
+    from isoref.field import Field
+
+    return diconex(Field.of(values, spacing), isovalue, mode=mode).polygons()
+
+
+def marching_faces(a, b, isovalue_a, isovalue_b, spacing):
+    """The curves in which two isosurfaces meet, from face to face."""
+    from isoref.field import Field
+    from isoref.marching_faces import intersection_curves
+
+    fields = Field.of(a, spacing), Field.of(b, spacing)
+    curves = intersection_curves(*fields, (isovalue_a, isovalue_b))
+    return [curve.polyline for curve in curves]
+
+
+def surface_intersection(a, b, isovalue_a, isovalue_b, spacing):
+    """The curves in which the triangles of two isosurfaces meet."""
+    from isoref.field import Field
+    from isoref.surface_intersection import intersection_curves
+
+    fields = Field.of(a, spacing), Field.of(b, spacing)
+    curves = intersection_curves(*fields, (isovalue_a, isovalue_b))
+    return [curve.polyline for curve in curves]
+
+
+LIBRARY = {"distribution": "isograde", "imports": ["isoref"]}
+_CLAIMS = {"disconnect": "cells.separate", "connect": "cells.join", "mixed": "cells.mean"}
+# Tetrahedra over a block of 2 x 2 x 2 cells: in each cell the one of its points with an even sum,
+# and the four corners that it leaves.
+_CELLS = [(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+
+
+def _five():
+    """The alternating split into five tetrahedra a cell."""
+    found = []
+    for cell in _CELLS:
+        points = [[a + b for a, b in zip(cell, corner, strict=True)] for corner in _CELLS]
+        even = [p for p in points if sum(p) % 2 == 0]
+        found.append(even)
+        for odd in (p for p in points if sum(p) % 2):
+            near = [p for p in even if sum(abs(a - b) for a, b in zip(p, odd, strict=True)) == 1]
+            found.append([odd, *near])
+    return {"tetrahedra": found}
+
+
+def _surface(method, **said):
+    """The row of a method of the catalogue."""
+    return {"function": "surface", "options": {"method": method}, "declaration": said}
+
+
+def _simplicial(rule):
+    """The row of a rule of the simplicial method, for which (n, m) is anything up to n = 6."""
+    kinds = [[n, m] for n in range(1, 7) for m in range(1, n + 1)]
+    limits = {"kinds": kinds, "least": 2}
+    said = {"interpolant": "kuhn", "limits": limits}
+    return {"function": "simplicial", "options": {"rule": rule}, "declaration": said}
+
+
+_INSET = {"domain": {"inset": 0.5, "end": "open"}}
+METHODS = {
+    "isoref:lorensen-cline": _surface("lorensen-cline"),
+    "isoref:asymptotic-decider": _surface("asymptotic-decider", level=3),
+    "isoref:trilinear-cubes": _surface("trilinear-cubes", level=4),
+    **{
+        f"isoref:{way}-{mode}-{resolution}": _surface(
+            f"{way}-{mode}-{resolution}", promised=[_CLAIMS[mode]]
+        )
+        for way in ("marching-vesta", "vesta")
+        for mode in _CLAIMS
+        for resolution in "LH"
+    },
+    "isoref:marching-tetrahedra-kuhn": _surface("marching-tetrahedra-kuhn", interpolant="kuhn"),
+    "isoref:marching-tetrahedra-five": _surface("marching-tetrahedra-five", interpolant=_five()),
+    "isoref:surface-nets": _surface(
+        "surface-nets", vertices="cells", level=1, notes="not manifold at ambiguous cells", **_INSET
+    ),
+    "isoref:dual-marching-cubes": _surface("dual-marching-cubes", vertices="cells", **_INSET),
+    "isoref:label-cubes": _surface(
+        "label-cubes", interpolant="labels", promised=["cells.separate"]
+    ),
+    "isoref:simplicial": _simplicial("staircase"),
+    "isoref:simplicial-printed": _simplicial("printed"),
+    **{
+        f"isoref:diconex-{mode}": {
+            "function": "diconex",
+            "options": {"mode": mode},
+            "declaration": {"limits": {"kinds": [[2, 1]]}, "promised": [claim]},
+        }
+        for mode, claim in _CLAIMS.items()
+    },
+    **{
+        f"isoref:{name.replace('_', '-')}": {
+            "function": name,
+            "declaration": {"limits": {"kinds": [[3, 2]]}, "promised": ["curves.identical"]},
+        }
+        for name in ("marching_faces", "surface_intersection")
+    },
+}

@@ -1,0 +1,50 @@
+"""scikit-image: marching cubes in space, contours in the plane."""
+
+
+def surface(values, isovalue, spacing, method):
+    """The surface by one of the two methods of `marching_cubes`."""
+    from skimage.measure import marching_cubes
+
+    return marching_cubes(values, isovalue, spacing=spacing, method=method)[:2]
+
+
+def contours(values, isovalue, spacing):
+    """Contours with high values on their left."""
+    from skimage.measure import find_contours
+
+    lines = find_contours(values, isovalue, positive_orientation="high")
+    return [line * spacing for line in lines]
+
+
+LIBRARY = {"distribution": "scikit-image", "imports": ["skimage.measure"]}
+_CONVENTIONS = {"tie": "outside", "normals": "to_high", "nan": "answers", "empty": "raises"}
+METHODS = {
+    "skimage:lewiner": {
+        "function": "surface",
+        "options": {"method": "lewiner"},
+        "declaration": {
+            "level": 4,
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 2},
+            "notes": "its documentation guarantees topologically correct results; "
+            "computes in float32",
+        },
+    },
+    "skimage:lorensen": {
+        "function": "surface",
+        "options": {"method": "lorensen"},
+        "declaration": {
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 2},
+            "notes": "computes in float32",
+        },
+    },
+    "skimage:find-contours": {
+        "function": "contours",
+        "declaration": {
+            "conventions": {"tie": "outside", "nan": "answers"},
+            "limits": {"kinds": [[2, 1]], "least": 2},
+        },
+        "does": ["asks for high values on the left, and multiplies by the spacing"],
+    },
+}

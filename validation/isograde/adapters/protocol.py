@@ -1,0 +1,60 @@
+"""The schema of every message that passes an adapter, and declarations as adapters read them.
+
+``protocol.schema.json`` beside this file is published for those who write an adapter in another
+language. What a declaration may say is decided by `isograde.declaration`, whose errors suggest the
+right word; the schema knows the same words.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from isograde.declaration import Declaration, DeclarationError, declaration_from
+from isograde.model import AdapterError
+
+
+def declared(data: object, name: str) -> Declaration:
+    """The declaration that `data` spells out, named `name` where it names nothing.
+
+    Raises
+    ------
+    AdapterError
+        for an entry that is unknown or out of range; the message says which and what is allowed.
+
+    >>> declared({"level": 3, "conventions": {"tie": "outside"}}, "mine").level
+    3
+    """
+    try:
+        return declaration_from(data, name)
+    except DeclarationError as error:
+        raise AdapterError(str(error)) from None
+
+
+def check_json(data: object, part: str, what: str) -> None:
+    """Raise `AdapterError` unless `data` follows `part` of the protocol's schema."""
+    import jsonschema
+
+    error = jsonschema.exceptions.best_match(_validator(part).iter_errors(data))
+    if error is not None:
+        where = "/".join(map(str, error.absolute_path))
+        raise AdapterError(f"{what}: {where + ': ' if where else ''}{error.message}")
+
+
+@cache
+def _validator(part: str) -> Any:
+    """A checker of one part of the protocol's schema."""
+    import jsonschema
+
+    definitions = protocol_schema()["$defs"]
+    return jsonschema.Draft202012Validator({"$defs": definitions, "$ref": f"#/$defs/{part}"})
+
+
+@cache
+def protocol_schema() -> dict[str, Any]:
+    """The JSON schema of every message that passes an adapter."""
+    text = files("isograde.adapters").joinpath("protocol.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema
