@@ -118,8 +118,16 @@ def _needed(text: str, name: str) -> tuple[list[str], list[str]]:
     for node in statements:
         if node in needed:
             imported = isinstance(node, ast.Import | ast.ImportFrom)
-            parts[0 if imported else 1].append(ast.get_source_segment(text, node) or "")
+            parts[0 if imported else 1].append(_printed(text.splitlines(), node))
     return parts
+
+
+def _printed(lines: list[str], node: ast.stmt) -> str:
+    """The lines of a statement, with the comment above it."""
+    start = node.lineno - 1
+    while start and lines[start - 1].startswith("#"):
+        start -= 1
+    return "\n".join(lines[start : node.end_lineno])
 
 
 def _defined(node: ast.stmt) -> Iterator[str]:
