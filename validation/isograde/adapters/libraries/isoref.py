@@ -18,7 +18,7 @@ def simplicial(values, isovalue, spacing, rule):
 
 def diconex(values, isovalue, spacing, mode):
     """The contours of DICONEX, open ones first."""
-    from isoref.diconex import diconex
+    from isoref.fast.diconex import diconex
     from isoref.field import Field
 
     return diconex(Field.of(values, spacing), isovalue, mode=mode).polygons()
@@ -26,8 +26,8 @@ def diconex(values, isovalue, spacing, mode):
 
 def marching_faces(a, b, isovalue_a, isovalue_b, spacing):
     """The curves in which two isosurfaces meet, from face to face."""
+    from isoref.fast.marching_faces import intersection_curves
     from isoref.field import Field
-    from isoref.marching_faces import intersection_curves
 
     fields = Field.of(a, spacing), Field.of(b, spacing)
     curves = intersection_curves(*fields, (isovalue_a, isovalue_b))
