@@ -1,59 +1,84 @@
 """Functions judged as implementations are, by the runner's worker, in this process."""
 
+from __future__ import annotations
+
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
 from isograde.adapters.conventions import to_house
-from isograde.disciplines.registry import discipline
+from isograde.declaration import Declaration
 from isograde.model import (
     Adapter,
     Case,
-    Conventions,
-    Declaration,
     Finding,
     Limits,
     Outcome,
     Request,
     Status,
+    Verdict,
 )
-from isograde.runner import Task, Worker
+from isograde.runner import Task, Worker, claims_for
 
 
 class Here:
-    """An adapter to a function, as `through_adapter` makes it, trusted not to crash."""
+    """An adapter to a function of samples, isovalue (or isovalues) and spacing, in this process."""
 
-    def __init__(self, function: Callable[[Any, float, tuple[float, ...]], Any], kind: str):
+    def __init__(self, function: Callable[..., Any], declaration: Declaration):
         self.function = function
-        self.kind = kind
+        self.declaration = declaration
 
     def open(self, limits: Limits) -> Declaration:
         """Nothing to start."""
-        return Declaration("here", discipline=self.kind)
+        return self.declaration
 
     def run(self, request: Request) -> Outcome:
         """The outcome of one call."""
-        samples = np.asarray(request.field.values)
+        samples = np.array(request.field.values, order="K", copy=True)
+        level = request.isovalues[0] if len(request.isovalues) == 1 else request.isovalues
         try:
-            answer = self.function(samples, request.isovalue, request.field.spacing)
+            vertices, simplices = self.function(samples, level, request.field.spacing)
         except NotImplementedError as error:
             return Outcome(Status.DECLINED, detail=str(error))
         except Exception as error:  # noqa: BLE001 - as an adapter would
             return Outcome(Status.RAISED, detail=str(error))
-        return to_house(Outcome(Status.OK, *answer), request, Conventions())
+        same = np.array_equal(samples, request.field.values, equal_nan=samples.dtype.kind == "f")
+        answer = Outcome(
+            Status.OK, np.asarray(vertices), np.asarray(simplices), input_changed=not same
+        )
+        return to_house(answer, request, self.declaration.conventions)
 
     def close(self) -> None:
         """Nothing to stop."""
 
 
 def grade(
-    adapter: Adapter, declaration: Declaration, asked: Iterable[Case]
+    adapter: Adapter, asked: Iterable[Case], only: str = ""
 ) -> Iterator[tuple[str, str, Finding]]:
-    """(case, claim, finding) of every claim of the discipline that applies to these cases."""
-    told = discipline(declaration.discipline)
-    cases = {case.id: case for case in asked}
-    worker = Worker(adapter, declaration, cases, told.claims, told.pose)
+    """(case, claim, finding) of every claim of the family that applies to these cases.
+
+    only : the beginning of the claims' ids
+    """
+    declared = adapter.open(Limits())
+    claims = claims_for(declared)
+    cases = {case.id: case for case in asked if case.kind in declared.limits.kinds}
+    worker = Worker(adapter, declared, cases, claims)
     for case in cases.values():
-        applying = tuple(claim.id for claim in told.claims.values() if claim.applies_to(case))
-        for claim, finding in worker.judge(Task(case.id, applying)).findings.items():
-            yield case.id, claim, finding
+        applying = tuple(
+            claim.id
+            for claim in claims.values()
+            if claim.applies_to(case) and claim.id.startswith(only)
+        )
+        for name, finding in worker.judge(Task(case.id, applying)).findings.items():
+            yield case.id, name, finding
+
+
+def verdicts(
+    function: Callable[..., Any], declaration: Declaration, asked: Iterable[Case], only: str = ""
+) -> dict[str, Counter[Verdict]]:
+    """How often each claim has each verdict on these cases, for a function in this process."""
+    found: dict[str, Counter[Verdict]] = {}
+    for _, name, finding in grade(Here(function, declaration), asked, only):
+        found.setdefault(name, Counter())[finding.verdict] += 1
+    return found

@@ -292,24 +292,18 @@ def _one_of(value: object, known: Sequence[str], what: str, more: str = "") -> s
     raise DeclarationError(told + more)
 
 
-def _number(value: object, what: str, low: float, high: float) -> float:
+def _number(value: Any, what: str, low: float, high: float) -> float:
     """The value as a number between these."""
-    right = isinstance(value, int | float) and not isinstance(value, bool)
-    _check(
-        right and low <= float(value) <= high,
-        f"{what}: {value!r} is no number from {low:g} to {high:g}",
-    )  # type: ignore[arg-type]
-    return float(value)  # type: ignore[arg-type]
+    right = isinstance(value, int | float) and not isinstance(value, bool) and low <= value <= high
+    _check(right, f"{what}: {value!r} is no number from {low:g} to {high:g}")
+    return float(value)
 
 
-def _whole(value: object, what: str, low: int, high: int) -> int:
+def _whole(value: Any, what: str, low: int, high: int) -> int:
     """The value as a whole number between these."""
-    right = isinstance(value, int) and not isinstance(value, bool)
-    _check(
-        right and low <= int(value) <= high,
-        f"{what}: {value!r} is no whole number from {low} to {high}",
-    )  # type: ignore[call-overload]
-    return int(value)  # type: ignore[call-overload]
+    right = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+    _check(right, f"{what}: {value!r} is no whole number from {low} to {high}")
+    return int(value)
 
 
 def _only(value: object, key: str, what: str) -> Any:
@@ -392,14 +386,12 @@ def _end(value: object) -> End:
     return End(0.0, _one_of(value, words, "domain", ', {"inset": x, "end": word}'))  # type: ignore[arg-type]
 
 
-def _globs(value: object, what: str) -> frozenset[str]:
+def _globs(value: Any, what: str) -> frozenset[str]:
     """A set of texts."""
-    right = isinstance(value, Sequence | set | frozenset) and not isinstance(value, str)
-    _check(
-        right and all(isinstance(one, str) for one in value),
-        f"{what}: {value!r} is no list of claims",
-    )  # type: ignore[union-attr, attr-defined]
-    return frozenset(value)  # type: ignore[call-overload, no-any-return]
+    listed = isinstance(value, Sequence | set | frozenset) and not isinstance(value, str)
+    right = listed and all(isinstance(one, str) for one in value)
+    _check(right, f"{what}: {value!r} is no list of claims")
+    return frozenset(value)
 
 
 CHOICES: Mapping[str, tuple[str, ...]] = {

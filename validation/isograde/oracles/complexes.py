@@ -109,7 +109,10 @@ class Complex:
 
     @cached_property
     def facets(self) -> Facets:
-        """The facets, by one sort."""
+        """The facets, by one sort; points have none."""
+        if not self.k or not len(self.simplices):
+            none = np.empty(0, np.int64)
+            return Facets(np.empty((0, max(self.k, 0)), np.int64), none, none, none, none)
         columns, sign = _sides(self.simplices)
         order, start = _sorted(columns, len(self.points))
         uses = np.diff(start, append=len(order))

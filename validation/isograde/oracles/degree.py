@@ -40,6 +40,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, permutations
+from typing import Any
 
 import numpy as np
 from isoref.field import Array, Booleans, Floats, Integers
@@ -156,8 +157,10 @@ def _along(
     periodic = [lattice.ends[a].end == "periodic" for a in turned]
     sign = int(parity(np.array([turned]))[0])
 
-    # Find the points in which the mesh meets the flats.
-    where, flat, turn = crossings(places[:, turned], simplices, shape, m, periodic[m:])
+    # Find the points in which the mesh meets the flats of the domain.
+    tops = np.floor(lattice.last[list(turned)] + 1).astype(np.int64)
+    within_ends = tuple(min(size, top) for size, top in zip(shape, tops.tolist(), strict=True))
+    where, flat, turn = crossings(places[:, turned], simplices, within_ends, m, periodic[m:])
     face = np.ceil(where).astype(np.int64) - 1
     for a in range(m):
         if periodic[a]:
@@ -438,7 +441,7 @@ def _determinant_signs(rows: Floats) -> tuple[Integers, Floats]:
     bound = 4 * k**2 * np.finfo(np.float64).eps * np.linalg.norm(rows, axis=2).prod(axis=1)
     sign = np.sign(value).astype(np.int64)
     # A row of zeros is a vertex on the flat: most determinants are exactly zero by it.
-    empty = ~rows.any(axis=2).all(axis=1)
+    empty = np.asarray(~rows.any(axis=2)).any(axis=1)
     sign[empty] = 0
     unsure = np.flatnonzero(~empty & (np.abs(value) <= bound))
     if len(unsure):
@@ -458,7 +461,7 @@ def _whole_numbers(rows: Floats) -> Array:
 def _determinants(rows: Array) -> Array:
     """The determinants of (r, k, k) integers, by minors of the first rows, each computed once."""
     k = rows.shape[1]
-    minors = {(): np.ones(len(rows), object)}
+    minors: dict[tuple[int, ...], Any] = {(): np.ones(len(rows), object)}
     for size in range(1, k + 1):
         minors = {
             columns: sum(

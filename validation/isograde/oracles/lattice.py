@@ -142,8 +142,7 @@ class Lattice:
         low = (np.abs(where - self.first) <= slack).all(axis=1)
         high = (np.abs(where - self.last) <= slack).all(axis=1)
         open_axes = np.array([end.end == "open" for end in self.ends])
-        on: Booleans = ((low | high) & open_axes).any(axis=1)
-        return on
+        return np.asarray(((low | high) & open_axes).any(axis=1))
 
     @cached_property
     def tied(self) -> Booleans:
@@ -153,7 +152,7 @@ class Lattice:
         tied = np.zeros(self.shape, bool)
         values = components(self.field)
         for component, level in zip(values, self.isovalues, strict=True):
-            tied |= component == level
+            tied |= np.asarray(component == level, bool)
         for step in self.edges:
             self._tie_edges(tied, values, step)
         return tied
