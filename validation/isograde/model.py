@@ -90,6 +90,14 @@ class Verdict(StrEnum):
     NOT_RUN = "not run"  # an earlier fault left nothing to judge
 
 
+# Verdicts that say something went wrong; the rest say that nothing was seen, or all was well.
+BAD = (Verdict.FAIL, Verdict.ERROR, Verdict.CRASH, Verdict.TIMEOUT)
+# Verdicts of a case on which the claim could fail: evidence.
+EVIDENCE = (Verdict.PASS, *BAD)
+# How the detail begins where a judge itself failed, a fault of the grader.
+JUDGE_FAULT = "the grader's judge failed"
+
+
 @dataclass(frozen=True)
 class Case:
     """m fields, m isovalues and what is known of the level set; built when it is needed.

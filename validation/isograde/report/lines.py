@@ -1,0 +1,100 @@
+"""The file a report is: one JSON object a line, each checked against the schema when it is read.
+
+`schema.json` beside this module describes every line. A file whose name ends in .gz is compressed.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TextIO
+
+import jsonschema
+import numpy as np
+
+FORMAT = 2
+RECORDS = ("header", "claim", "case", "result", "evidence", "footer")
+JSON = dict[str, Any]
+
+
+class ReportError(ValueError):
+    """A file is no report; the message says which line and why."""
+
+
+@contextmanager
+def open_text(path: Path, mode: str) -> Iterator[TextIO]:
+    """The file, open for "r" or "w" as UTF-8; compressed where its name ends in .gz."""
+    with ExitStack() as stack:
+        raw = stack.enter_context(path.open("rb" if mode == "r" else "wb"))
+        binary: Any = raw
+        if path.suffix == ".gz":
+            # Leave name and time out of the archive, so that the same report is the same file.
+            archive = gzip.GzipFile("", "rb" if mode == "r" else "wb", fileobj=raw, mtime=0)
+            binary = stack.enter_context(archive)
+        yield stack.enter_context(io.TextIOWrapper(binary, encoding="utf-8", newline="\n"))
+
+
+def write_line(file: TextIO, record: Mapping[str, Any]) -> JSON:
+    """The record as written: one more line of the file."""
+    plain: JSON = _plain(record)
+    file.write(json.dumps(plain, separators=(",", ":"), allow_nan=False) + "\n")
+    return plain
+
+
+def _plain(value: Any) -> Any:
+    """The value with NumPy's types made Python's, and numbers that are not finite made text."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return str(value)
+    return value
+
+
+@cache
+def schema() -> JSON:
+    """The JSON Schema of a line."""
+    text = files("isograde.report").joinpath("schema.json").read_text(encoding="utf-8")
+    parsed: JSON = json.loads(text)
+    return parsed
+
+
+def lines(path: Path) -> Iterator[JSON]:
+    """The records of a file, each checked against the schema. Raises `ReportError`."""
+    try:
+        with open_text(path, "r") as file:
+            for number, line in enumerate(file, 1):
+                yield _checked(line, f"{path}:{number}")
+    except (OSError, UnicodeDecodeError, EOFError) as error:
+        raise ReportError(f"{path} cannot be read: {error}") from error
+
+
+def _checked(line: str, place: str) -> JSON:
+    """The record on a line."""
+    try:
+        record: JSON = json.loads(line)
+    except json.JSONDecodeError as error:
+        raise ReportError(f"{place} is not JSON: {error}") from error
+    name = record.get("record") if isinstance(record, dict) else None
+    if name not in RECORDS:
+        raise ReportError(f"{place} is no record of a report: record {name!r}")
+    fault = jsonschema.exceptions.best_match(_validator(name).iter_errors(record))
+    if fault is not None:
+        raise ReportError(f"{place} is no {name} record: {fault.json_path} {fault.message}")
+    return record
+
+
+@cache
+def _validator(name: str) -> Any:
+    """The validator of one kind of line."""
+    definitions = schema()["$defs"]
+    return jsonschema.Draft202012Validator({**definitions[name], "$defs": definitions})
