@@ -6,11 +6,14 @@ import difflib
 import sys
 from collections.abc import Iterable
 from enum import IntEnum
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 from rich.console import Console
 from rich.markup import escape
+
+if TYPE_CHECKING:
+    from isograde.report.reading import Report
 
 # Leave tables room where nobody's window sets a width.
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
@@ -20,6 +23,8 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True)
 class Exit(IntEnum):
     """Exit status of the command.
 
+    NO_EVIDENCE: nothing ran, or nothing that did could have failed.
+
     70, as sysexits.h has it, where the command itself broke; 130, as shells have it, after Ctrl-C.
     """
 
@@ -27,9 +32,21 @@ class Exit(IntEnum):
     FAILS = 1
     WRONG_USE = 2
     NOT_STARTED = 3
-    NOTHING_RAN = 4
+    NO_EVIDENCE = 4
     BROKEN = 70
     STOPPED = 130
+
+
+def status_of(report: Report, strict: bool = False) -> Exit:
+    """The status that a report ends with.
+
+    FAILS when a promised claim fails on any case; else NO_EVIDENCE when no promised claim could
+    have failed, or in a full run no known body was judged; else HOLDS. With `strict` a promised
+    claim without evidence fails too. Claims on bad input never change it.
+    """
+    if report.broken or (strict and report.unproven):
+        return Exit.FAILS
+    return Exit.HOLDS if report.has_evidence else Exit.NO_EVIDENCE
 
 
 def stop(status: Exit, message: str) -> NoReturn:

@@ -9,7 +9,7 @@ from isograde.report.badge import badge
 from isograde.report.junit import junit
 from isograde.report.markdown import markdown
 from isograde.report.page import page
-from isograde.report.record import Report
+from isograde.report.reading import Report
 
 FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
     "html": (".html", page),

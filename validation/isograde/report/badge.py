@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from isograde.report import words
-from isograde.report.record import Report
+from isograde.report.reading import Report
 
 COLOURS = {None: "#b4262a", 0: "#b4262a", 1: "#b7791f", 2: "#2f855a", 3: "#276749", 4: "#1c4532"}
 # Widths of Verdana 11 px are close to this many pixels a letter.
@@ -14,9 +14,9 @@ LETTER, MARGIN = 6.6, 10
 
 def badge(report: Report) -> str:
     """The badge as SVG."""
-    left, right = "isograde", words.reached(report)
-    partial = report.footer is None or report.header["only"]
-    colour = "#6b7280" if partial else COLOURS[report.reached]
+    left, right = "isograde", _said(report)
+    whole = report.footer is not None and not report.partial
+    colour = COLOURS[report.reached] if whole else "#6b7280"
     a, b = (round(LETTER * len(text) + 2 * MARGIN) for text in (left, right))
     text = escape(right)
     return f"""<svg xmlns="http://www.w3.org/2000/svg" width="{a + b}" height="20" role="img" \
@@ -33,3 +33,9 @@ aria-label="{left}: {text}">
 </g>
 </svg>
 """
+
+
+def _said(report: Report) -> str:
+    """The level reached, of how many."""
+    said = words.reached(report)
+    return f"{said} of {report.top}" if said.startswith("level") else said

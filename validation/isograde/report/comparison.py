@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from isograde.model import BAD
 from isograde.report import words
-from isograde.report.markdown import MARK
+from isograde.report.headline import by_level, by_topology, headline
+from isograde.report.lines import JSON
+from isograde.report.markdown import MARK, plain
 from isograde.report.page import environment
-from isograde.report.record import Report
-from isograde.runner import BAD
+from isograde.report.reading import Report, findings_of
+
+# The two orders of a comparison, by the name that is shown.
+ORDERS: Mapping[str, Callable[[Report], tuple[float, ...]]] = {
+    "level first": by_level,
+    "topology first": by_topology,
+}
 
 
 @dataclass(frozen=True)
@@ -49,18 +57,18 @@ def _bad_cases(report: Report) -> dict[str, set[str]]:
     """The cases on which each claim is bad."""
     bad: dict[str, set[str]] = {}
     for result in report.results:
-        for finding in result["findings"]:
-            if finding["verdict"] in BAD:
-                bad.setdefault(finding["claim"], set()).add(result["case"])
+        for name, verdict, _ in findings_of(result):
+            if verdict in BAD:
+                bad.setdefault(name, set()).add(result["case"])
     return bad
 
 
-def claims_of(reports: Sequence[Report]) -> dict[str, dict[str, object]]:
+def claims_of(reports: Sequence[Report]) -> dict[str, JSON]:
     """Every claim that some report judged, by id, in the order of the ladder."""
-    found: dict[str, dict[str, object]] = {}
+    found: dict[str, JSON] = {}
     for report in reports:
         for name, summary in report.summaries.items():
-            if summary.judged:
+            if summary.asked:
                 found.setdefault(name, summary.claim)
     return dict(sorted(found.items(), key=lambda item: _height(item[1]["level"])))
 
@@ -73,38 +81,45 @@ def _height(level: object) -> int:
 def mark(report: Report, claim: str) -> tuple[str, str]:
     """The state of a claim in a report, and its share of bad cases in words."""
     summary = report.summaries.get(claim)
-    if summary is None or not summary.judged:
-        return "not judged", ""
+    if summary is None or not summary.asked:
+        return "no evidence", ""
     if summary.state == "fail":
-        return "fail", f"{summary.bad:,} of {summary.judged:,}"
+        return "fail", f"{summary.bad:,} of {summary.evidence:,}"
     return summary.state, ""
 
 
-def by_discipline(reports: Sequence[Report]) -> dict[str, list[Report]]:
-    """The reports of each discipline."""
+def by_kinds(reports: Sequence[Report]) -> dict[str, list[Report]]:
+    """The reports that take the same kinds, in the first order."""
     groups: dict[str, list[Report]] = {}
-    for report in reports:
-        groups.setdefault(discipline_of(report), []).append(report)
+    for report in sorted(reports, key=by_level):
+        groups.setdefault(words.kinds(report.kinds), []).append(report)
     return groups
 
 
-def discipline_of(report: Report) -> str:
-    """The discipline that the implementation declares."""
-    return str(report.header["implementation"]["discipline"])
-
-
 def markdown_table(reports: Sequence[Report]) -> str:
-    """Claims down, implementations across, as Markdown; a table a discipline."""
-    tables = [
-        f"## {name.capitalize()}\n\n{_rows(group)}\n"
-        for name, group in by_discipline(reports).items()
-    ]
-    return "\n".join(["# Comparison\n", *tables])
+    """Headlines in both orders, then claims down and implementations across, a part for kinds."""
+    parts = ["# Comparison"]
+    for name, group in by_kinds(reports).items():
+        parts.append(f"## {name[:1].upper()}{name[1:]}")
+        parts += [_headlines(title, group) for title in ORDERS]
+        parts.append(_rows(group))
+    return "\n\n".join(parts) + "\n"
+
+
+def _headlines(title: str, reports: Sequence[Report]) -> str:
+    """The headlines in one of the orders."""
+    lines = [f"{i}. {plain(headline(one))}" for i, one in enumerate(_sorted(title, reports), 1)]
+    return "\n".join([f"### {title.capitalize()}", "", *lines])
+
+
+def _sorted(title: str, reports: Sequence[Report]) -> list[Report]:
+    """The reports in the order of this name."""
+    return sorted(reports, key=ORDERS[title])
 
 
 def _rows(reports: Sequence[Report]) -> str:
     """The rows of one table."""
-    lines = ["| claim | level | " + " | ".join(r.name for r in reports) + " |"]
+    lines = ["| claim | level | " + " | ".join(plain(r.name) for r in reports) + " |"]
     lines.append("| --- | ---: |" + " --- |" * len(reports))
     levels = " | ".join(f"**{words.reached(report)}**" for report in reports)
     lines.append(f"| reached | | {levels} |")
@@ -117,23 +132,31 @@ def _rows(reports: Sequence[Report]) -> str:
 
 
 def comparison_page(
-    reports: Sequence[Report], links: Sequence[str], absent: dict[str, str] | None = None
+    reports: Sequence[Report], links: Sequence[str], absent: Mapping[str, str] | None = None
 ) -> str:
-    """Claims down, implementations across, as one HTML file.
+    """Headlines in both orders, claims down, implementations across, as one HTML file.
 
     `links` are the addresses of the implementations' own pages, empty where there is none; `absent`
     says why other implementations are missing.
     """
-    linked = list(zip(reports, links, strict=True))
+    link_of = {id(report): link for report, link in zip(reports, links, strict=True)}
     tables = {
-        name: (
-            [(one, link) for one, link in linked if discipline_of(one) == name],
-            claims_of(group),
-        )
-        for name, group in by_discipline(reports).items()
+        name: {
+            "orders": {title: _sorted(title, group) for title in ORDERS},
+            "reports": [(one, link_of[id(one)]) for one in group],
+            "claims": claims_of(group),
+        }
+        for name, group in by_kinds(reports).items()
     }
     return (
         environment()
         .get_template("comparison.html")
-        .render(count=len(reports), tables=tables, mark=mark, absent=absent or {})
+        .render(
+            count=len(reports),
+            tables=tables,
+            mark=mark,
+            headline=headline,
+            link_of=lambda report: link_of[id(report)],
+            absent=absent or {},
+        )
     )

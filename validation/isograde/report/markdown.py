@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from isograde.report import words
-from isograde.report.record import Report, Rung, Summary
+from isograde.report.headline import choices, headline
+from isograde.report.reading import Report, Rung, Summary
 
-MARK = {"pass": "✅", "fail": "❌", "not judged": "▫️", "unsupported": "➖"}
-# A level that holds but for claims that are withheld.
-PART = "☑️"
+MARK = {"pass": "✅", "fail": "❌", "no evidence": "▫️", "unsupported": "➖", "not promised": "➖"}
 
 
 def markdown(report: Report) -> str:
-    """The report as Markdown: the ladder, what failed, and every claim folded away."""
-    declared = report.header["implementation"]
-    title = f"# {report.name} {declared['version']}".rstrip()
-    parts = [title, f"**{words.reached(report)}** · {words.verdict(report)}", _ladder(report)]
+    """The report as Markdown: the headline, the ladder, what failed, every claim folded away."""
+    title = plain(f"{report.name} {report.declaration['version']}".rstrip())
+    said = " ".join(filter(None, [words.verdict(report), words.right(report), *_choices(report)]))
+    parts = [f"# {title}", f"**{plain(headline(report))}**", plain(said), _ladder(report)]
     if report.failures:
         parts.append("## What failed")
         parts += [_failure(report, summary) for summary in report.failures]
@@ -23,6 +22,26 @@ def markdown(report: Report) -> str:
     parts.append(_all_claims(report))
     parts.append(_run(report))
     return "\n\n".join(parts) + "\n"
+
+
+def plain(text: str) -> str:
+    """Text of an implementation on one line, with nothing in it that Markdown would act on.
+
+    >>> plain("<b>a|b\\nc*")
+    '&lt;b&gt;a\\\\|b c\\\\*'
+    """
+    one_line = " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return "".join(f"\\{c}" if c in "\\`*_[]|#" else c for c in one_line)
+
+
+def code(text: str) -> str:
+    """Text in code type, on one line, whatever backticks it holds."""
+    return f"`{' '.join(text.split()).replace('`', chr(39))}`"
+
+
+def _choices(report: Report) -> list[str]:
+    """What it chooses, as sentences."""
+    return [f"It {choice}." for choice in choices(report)]
 
 
 def _ladder(report: Report) -> str:
@@ -34,24 +53,20 @@ def _ladder(report: Report) -> str:
 
 def _rung(rung: Rung) -> str:
     """One level as a row."""
-    held = sum(summary.state == "pass" for summary in rung.summaries)
-    count = f"{held} of {len(rung.summaries)} hold" if rung.summaries else "none judged"
-    if rung.withheld:
-        count += f", {words.withheld(len(rung.withheld))}: {', '.join(rung.withheld)}"
-    mark = PART if rung.state == "pass" and rung.withheld else MARK[rung.state]
-    return f"| {rung.level} | {mark} **{rung.name}** | {rung.promise} | {count} |"
+    return f"| {rung.level} | {MARK[rung.state]} **{rung.name}** | {rung.promise} | {words.rung(rung)} |"
 
 
 def _failure(report: Report, summary: Summary) -> str:
     """One failed claim with its smallest case."""
     failure = summary.failure
     assert failure is not None
-    held = "" if summary.claim["held"] else " (not claimed, not held against it)"
+    where = words.split(summary)
     return (
-        f"### `{summary.id}`{held}\n\n"
+        f"### `{summary.id}`\n\n"
         f"{summary.claim['rule']}\n\n"
-        f"{words.counted(summary)}. Smallest: `{failure.case}`, {failure.samples} samples: "
-        f"{failure.detail}.\n\n```sh\n{words.reproduce(report, summary)}\n```"
+        f"{words.evidence(summary)}{f' ({where})' if where else ''}. Smallest: "
+        f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}.\n\n"
+        f"```sh\n{' '.join(words.reproduce(report, summary).split())}\n```"
     )
 
 
@@ -60,18 +75,18 @@ def _measured(report: Report) -> str:
     lines = ["<details><summary>Measured</summary>", ""]
     lines += ["| claim | case | figures |", "| --- | --- | --- |"]
     for claim, case, numbers in report.measured:
-        lines.append(f"| `{claim}` | `{case}` | {words.figures(numbers)} |")
+        lines.append(f"| `{claim}` | `{case}` | {plain(words.figures(numbers))} |")
     return "\n".join([*lines, "", "</details>"])
 
 
 def _all_claims(report: Report) -> str:
     """Every claim in a folded table."""
     lines = ["<details><summary>Every claim</summary>", ""]
-    lines += ["| | claim | level | counts |", "| --- | --- | ---: | --- |"]
+    lines += ["| | claim | level | evidence | counts |", "| --- | --- | ---: | --- | --- |"]
     lines += [
-        f"| {MARK[s.state]} | `{s.id}` | {words.level_of(s)} | {words.counted(s)} |"
+        f"| {MARK[s.state]} | `{s.id}` | {words.level_of(s)} | {words.evidence(s)} "
+        f"| {words.counted(s)} |"
         for s in report.summaries.values()
-        if s.judged
     ]
     return "\n".join([*lines, "", "</details>"])
 
@@ -83,7 +98,8 @@ def _run(report: Report) -> str:
         return "The run was cut off."
     versions = header["versions"]
     return (
-        f"{footer['cases']:,} cases, {footer['calls']:,} calls, {footer['seconds']:.0f} s, seed "
-        f"{header['seed']}; isograde {versions.get('isograde', 'source')}, "
-        f"Python {versions['python']}, NumPy {versions['numpy']}."
+        f"{header['date']}: {footer['cases']:,} cases (checksum {footer['checksum']}), "
+        f"{footer['calls']:,} calls, {footer['seconds']:.0f} s, seed {header['seed']}; isograde "
+        f"{versions.get('isograde', 'source')}, Python {versions['python']}, NumPy "
+        f"{versions['numpy']}."
     )

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from shlex import quote
 from typing import Any
 
-from isograde.model import LEVELS
-from isograde.report.record import Report, Rung, Summary
+from isograde.model import EVIDENCE, LEVELS, Kind, Verdict
+from isograde.report.headline import listed, missing, not_promised
+from isograde.report.reading import Report, Rung, Summary, bad_in
+
+ORDER = (*EVIDENCE, Verdict.NOT_RUN, Verdict.UNSUPPORTED, Verdict.SKIP)
+# What counts are called: a case that is no evidence is none of the verdicts a reader knows.
+CALLED = {Verdict.SKIP: "no evidence", Verdict.UNSUPPORTED: "declined"}
 
 
 def reached(report: Report) -> str:
@@ -17,55 +22,91 @@ def reached(report: Report) -> str:
     """
     if report.footer is None:
         return "cut off"
-    if report.header["only"]:
+    if report.partial:
         return "part of the cases"
     if report.reached is None:
-        return "below level 0"
-    level = f"level {report.reached} {LEVELS[report.reached][0]}"
-    return f"{level}, {withheld(len(report.withheld))}" if report.withheld else level
-
-
-def withheld(count: int) -> str:
-    """How many claims are withheld: declared as not promised, and so not judged.
-
-    >>> withheld(1), withheld(3)
-    ('1 claim withheld', '3 claims withheld')
-    """
-    return f"{count} claim{'s' if count > 1 else ''} withheld"
+        return "no level"
+    return f"level {report.reached} {LEVELS[report.reached][0]}"
 
 
 def rung(rung: Rung) -> str:
-    """What is said of one level: a level of which claims are withheld holds in part."""
-    failed = sum(summary.state == "fail" for summary in rung.summaries)
+    """What is said of one level."""
     if rung.state == "fail":
-        return f"{failed} of {len(rung.summaries)} fail"
+        return f"{len(rung.failing)} of {len(rung.summaries)} claims fail"
     if rung.state == "pass":
-        return "holds in part" if rung.withheld else "holds"
-    return "not judged"
+        return "holds with ties too" if not rung.failing_with_ties else "holds, but not with ties"
+    return missing(rung)
 
 
 def verdict(report: Report) -> str:
-    """What the run says of the implementation, in one sentence."""
-    level = report.header["implementation"]["level"]
-    claimed = f"level {level} ({LEVELS[level][0]})"
+    """What the run says of the promises, in a sentence or two."""
     if report.footer is None:
         return "The report was cut off: it has no footer. What follows is what there is."
+    level = report.declaration["level"]
+    promise = f"It promises level {min(level, report.top)} ({LEVELS[min(level, report.top)][0]})."
     n = len(report.broken)
     if n:
-        said = f"{n} of the claims it makes {'fails' if n == 1 else 'fail'}."
+        said = f"{n} of its promises {'is' if n == 1 else 'are'} broken."
+    elif not report.has_evidence:
+        said = "No promise was put to the test: nothing that was judged could have failed."
     else:
-        said = "Every claim it makes holds on every case tried."
-    without = report.withheld_to(level)
-    if without:
-        said += f" Of these levels it withholds {', '.join(without)}."
-    return f"It claims {claimed}. {said}"
+        said = "Every promise that could be tested holds on every case tried."
+    if report.withdrawn:
+        said += f" Not promised: {listed(report.withdrawn, 6)}."
+    return f"{promise} {said}"
+
+
+def right(report: Report) -> str:
+    """What holds on every case tried, by family of claims, in a sentence; nothing where none does."""
+    whole: dict[str, bool] = {}
+    for summary in report.summaries.values():
+        if summary.level is not None and summary.evidence:
+            whole[summary.family] = whole.get(summary.family, True) and not summary.bad
+    names = [name for name, holds in whole.items() if holds]
+    return f"Right on every case tried: {', '.join(names)}." if names else ""
 
 
 def counted(summary: Summary) -> str:
     """The counts of a claim, the passes first."""
-    order = ("pass", "fail", "error", "crash", "timeout", "not run", "unsupported", "skip")
-    parts = [f"{summary.counts[word]:,} {word}" for word in order if summary.counts[word]]
+    return counts(summary.counts)
+
+
+def counts(found: Mapping[str, int]) -> str:
+    """Counts of verdicts, the passes first.
+
+    >>> counts({"skip": 2, "pass": 1200})
+    '1,200 pass, 2 no evidence'
+    """
+    parts = [f"{found[word]:,} {CALLED.get(word, word)}" for word in ORDER if found.get(word)]
     return ", ".join(parts)
+
+
+def evidence(summary: Summary) -> str:
+    """On how many cases a claim holds, of those on which it could fail."""
+    if not summary.promised and summary.evidence:
+        return not_promised(summary)
+    if not summary.evidence:
+        return "no evidence"
+    if not summary.bad:
+        return f"holds on {summary.passed:,} cases" if summary.passed > 1 else "holds on 1 case"
+    return f"fails on {summary.bad:,} of {summary.evidence:,} cases"
+
+
+def split(summary: Summary) -> str:
+    """Where a claim fails: in general position, or with ties only."""
+    general, tied = bad_in(summary.general), bad_in(summary.tied)
+    if general and tied:
+        return f"{general:,} in general position, {tied:,} with ties"
+    return "all in general position" if general else "all with ties" if tied else ""
+
+
+def kinds(found: Sequence[Kind]) -> str:
+    """The kinds, in words.
+
+    >>> kinds([Kind(3, 1), Kind(4, 2)])
+    'surfaces, (4, 2)'
+    """
+    return ", ".join(map(str, found))
 
 
 def figures(numbers: Mapping[str, Any]) -> str:
@@ -81,13 +122,44 @@ def _shown(value: Any) -> str:
     """A figure to three digits; a range by its ends; anything else as it is."""
     if isinstance(value, list):
         return " to ".join(map(_shown, value))
+    if isinstance(value, Mapping):
+        return "; ".join(f"{name} {_shown(one)}" for name, one in value.items())
     return f"{value:.3g}" if isinstance(value, int | float) else str(value)
 
 
 def level_of(summary: Summary) -> str:
     """The claim's level, or where it stands instead."""
-    level = summary.claim["level"]
-    return "beside" if level is None else str(level)
+    return "beside" if summary.level is None else str(summary.level)
+
+
+def declared(report: Report) -> dict[str, str]:
+    """The declaration in words: its four words, conventions and limits."""
+    said = report.declaration
+    rows = {name: _word(said[name]) for name in ("interpolant", "vertices", "domain", "mesh")}
+    rows |= {name: str(value).replace("_", " ") for name, value in said["conventions"].items()}
+    rows["kinds"] = kinds(report.kinds)
+    rows |= {
+        name: _word(value)
+        for name, value in said["limits"].items()
+        if name != "kinds" and value not in (0, False, []) and (name, value) != ("least", 1)
+    }
+    for name in ("promised", "not_promised"):
+        if said[name]:
+            rows[name.replace("_", " ")] = ", ".join(said[name])
+    return rows
+
+
+def _word(value: Any) -> str:
+    """An entry of a declaration, in words."""
+    if isinstance(value, list):
+        several = [_word(one) for one in value]
+        return several[0] if len(set(several)) == 1 else ", ".join(several)
+    if not isinstance(value, Mapping):
+        return str(value)
+    if set(value) == {"inset", "end"}:
+        return f"{value['end']}, {value['inset']:g} cells inside" if value["inset"] else value["end"]
+    ((name, what),) = value.items()
+    return f"{name}, {len(what)} simplices" if isinstance(what, list) else f"{name} {what:g}"
 
 
 def reproduce(report: Report, summary: Summary) -> str:
