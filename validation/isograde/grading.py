@@ -19,7 +19,7 @@ import numpy as np
 from isograde.adapters import open_adapter
 from isograde.disciplines.registry import READY_MADE
 from isograde.model import Adapter, AdapterError, Declaration, Outcome, Request, Trial, Verdict
-from isograde.report import record
+from isograde.report import lines, reading, record, shown
 from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import SMALL, shrink
 
@@ -52,7 +52,7 @@ def grade(
     *,
     arguments: Sequence[str] = (),
     watch: Watch | None = None,
-) -> record.Report:
+) -> reading.Report:
     """The report of one implementation, written to `path` line by line.
 
     Raises
@@ -69,18 +69,18 @@ def grade(
         options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = unfinished(path)
-        with record.open_text(draft, "w") as file:
-            writer = Writer(file, worker)
+        with lines.open_text(draft, "w") as file:
+            writer = Writer(file, worker, options.only)
             writer.write(record.header(spec, worker.declaration, options, list(arguments)))
             writer.write_claims(tasks)
             tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
             writer.write_evidence(smallest, options)
             seconds = time.perf_counter() - start
-            writer.write(tally.footer(seconds, record.gather(writer.records)))
+            writer.write(tally.footer(seconds, reading.gather(writer.records)))
         draft.replace(path)
     finally:
         worker.adapter.close()
-    return record.gather(writer.records)
+    return reading.gather(writer.records)
 
 
 def unfinished(path: Path) -> Path:
@@ -91,20 +91,24 @@ def unfinished(path: Path) -> Path:
 class Writer:
     """Writes records, and keeps them for the pages."""
 
-    def __init__(self, file: Any, worker: Worker):
+    def __init__(self, file: Any, worker: Worker, only: Sequence[str] = ()):
         self.file = file
+        self.only = only
         self.worker = worker
-        self.records: list[record.JSON] = []
+        self.records: list[lines.JSON] = []
 
-    def write(self, line: record.JSON) -> None:
+    def write(self, line: lines.JSON) -> None:
         """One more line."""
-        self.records.append(record.write_line(self.file, line))
+        self.records.append(lines.write_line(self.file, line))
 
     def write_claims(self, tasks: Sequence[Task]) -> None:
-        """A line for each claim that some task judges."""
+        """A line for each claim stated for the implementation, or in part for each that is judged.
+
+        A claim that no task judges is shown too: it is without evidence.
+        """
         judged = {name for task in tasks for name in task.claims}
         for name, claim in self.worker.claims.items():
-            if name in judged:
+            if not self.only or name in judged:
                 self.write(record.claim_record(claim, self.worker.declaration))
 
     def write_results(
@@ -115,7 +119,7 @@ class Writer:
         for judged in judgements:
             case = self.worker.cases[judged.case]
             self.write(record.case_record(case))
-            self.write(record.result_record(judged))
+            self.write(record.result_record(judged, self.worker.claims))
             tally.add(judged)
             _keep(smallest, judged, case.samples)
             if watch is not None:
@@ -126,11 +130,12 @@ class Writer:
         """A line for each failed claim whose smallest case, made smaller still, can be shown."""
         worker = self.worker
         found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
-        shown = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
-        legal = self._legal({claim: one.judged for claim, one in shown.items()}, options)
-        for claim, one in shown.items():
+        kept = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
+        legal = self._legal({claim: one.judged for claim, one in kept.items()}, options)
+        for claim, one in kept.items():
             judged, posed = one.judged, worker.claims[claim].variants
-            self.write(record.evidence_record(claim, judged, one.of, legal.get(claim), posed))
+            answer = legal.get(claim)
+            self.write(shown.evidence_record(claim, judged, one.of, answer, posed))
 
     def _legal(self, judgements: Mapping[str, Judged], options: Options) -> dict[str, Outcome]:
         """For each claim an answer to its failed case of which it holds, where one was found."""

@@ -22,7 +22,7 @@ def export(folder: Path, options: Options, variants: bool, discipline: str) -> N
     except (AdapterError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
-        stop(Exit.NOTHING_RAN, str(error.args[0]))
+        stop(Exit.NO_EVIDENCE, str(error.args[0]))
     fields = "1 field" if count == 1 else f"{count:,} fields"
     console.print(
         f"{fields} in [bold]{escape(str(folder))}[/]; put an answer beside each, then "

@@ -54,7 +54,7 @@ def _faults_told(path: Path) -> Iterator[None]:
     except AdapterError as error:
         stop(Exit.NOT_STARTED, str(error))
     except NothingToRun as error:
-        stop(Exit.NOTHING_RAN, str(error.args[0]))
+        stop(Exit.NO_EVIDENCE, str(error.args[0]))
     except OSError as error:
         why = f"{path} cannot be written: {error.filename}: {error.strerror}"
         stop(Exit.WRONG_USE, f"{why}; name another folder with --out")
@@ -101,7 +101,7 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
         reports.write(done[stem], out, stem, kinds)
         say(f"{escape(spec):40} {words.reached(done[stem])}")
     if not done:
-        stop(Exit.NOT_STARTED if absent else Exit.NOTHING_RAN, "no implementation was graded")
+        stop(Exit.NOT_STARTED if absent else Exit.NO_EVIDENCE, "no implementation was graded")
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
     found = list(done.values())
     page = comparison.comparison_page(found, links, absent)

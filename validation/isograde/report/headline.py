@@ -9,8 +9,8 @@ The line says, where there is something to say:
 * how many of the cases could be judged, where not all could.
 
 Libraries are ordered by level, then by the share of fields that are short of the next rung (a field
-that could not be judged is short), then torn with ties, wrong cells and waste; the second order puts
-topology first. What was not measured comes after everything that was.
+that could not be judged is short), then torn with ties, wrong cells and waste; the second order
+puts topology first. What was not measured comes after everything that was.
 """
 
 from __future__ import annotations
@@ -76,12 +76,12 @@ BILINEAR = "topology.bilinear"
 
 
 def headline(report: Report) -> str:
-    """The line: name, level, what is short of the next one, ties, scans, and what was not judged."""
-    title = f"{report.name} {report.declaration['version']}".rstrip()
+    """The line: name, level, what is short of the next, ties, scans, what was not judged."""
+    title = " ".join(f"{report.name} {report.declaration['version']}".split())
     if report.partial:
         return f"{title} - part of the cases"
-    parts = [title, level(report), short(report), with_ties(report), scans(report), unjudged(report)]
-    return " - ".join(part for part in parts if part)
+    said = (level, short, with_ties, scans, unjudged)
+    return " - ".join([title, *(part for tell in said if (part := tell(report)))])
 
 
 def level(report: Report) -> str:

@@ -25,12 +25,14 @@ def markdown(report: Report) -> str:
 
 
 def plain(text: str) -> str:
-    """Text of an implementation on one line, with nothing in it that Markdown would act on.
+    r"""Text of an implementation on one line, with nothing in it that Markdown would act on.
 
-    >>> plain("<b>a|b\\nc*")
-    '&lt;b&gt;a\\\\|b c\\\\*'
+    >>> print(plain("<b>a|b c*"))
+    &lt;b&gt;a\|b c\*
     """
-    one_line = " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    one_line = (
+        " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    )
     return "".join(f"\\{c}" if c in "\\`*_[]|#" else c for c in one_line)
 
 
@@ -53,7 +55,8 @@ def _ladder(report: Report) -> str:
 
 def _rung(rung: Rung) -> str:
     """One level as a row."""
-    return f"| {rung.level} | {MARK[rung.state]} **{rung.name}** | {rung.promise} | {words.rung(rung)} |"
+    name = f"{MARK[rung.state]} **{rung.name}**"
+    return f"| {rung.level} | {name} | {rung.promise} | {words.rung(rung)} |"
 
 
 def _failure(report: Report, summary: Summary) -> str:

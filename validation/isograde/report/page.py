@@ -2,54 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from isograde.model import LEVELS
 from isograde.report import words
-from isograde.report.picture import picture
-from isograde.report.polyline_picture import contour_picture, curve_picture
-from isograde.report.record import JSON, Report, Summary
-from isograde.report.simplex_picture import SHOWN_BEYOND, simplex_picture
+from isograde.report.headline import choices, headline
+from isograde.report.lines import JSON
+from isograde.report.picture import SHOWN_BEYOND, picture
+from isograde.report.reading import CONVENTIONS, Report, Summary
 from isograde.report.snippet import snippet
 
 FAMILIES = {
     "structure": "The arrays as they came",
+    "bodies": "Known bodies come out",
     "topology": "How the mesh hangs together",
     "geometry": "Where the vertices are",
     "counting": "How many there are",
     "cases": "What a cell becomes",
+    "cells": "What a cell becomes",
     "symmetry": "The same answer however the field is posed",
-    "robustness": "Input that is no field",
-    "speed": "What it costs",
+    "robustness": "Types, layouts, and input that is no field",
+    "accuracy": "How near to a known body, and how fast it gets nearer",
 }
 
-Draw = Callable[[JSON, JSON, str], str]
 _SIDES = (("in", "inside"), ("out", "outside"))
-_OPEN = (("gap", "hole"), ("rim", "border of the volume"))
-_FAULT = ("ring", "where the fault is")
-# How the failures of each discipline are drawn, and what is what in the picture.
-DRAWN: dict[str, tuple[Draw, tuple[tuple[str, str], ...]]] = {
-    "surfaces": (
-        picture,
-        (*_SIDES, ("front", "seen from outside"), ("back", "from inside"), *_OPEN),
-    ),
-    "contours": (
-        contour_picture,
-        (*_SIDES, ("run", "contour, inside on its left"), ("spot", "loose end"), _FAULT),
-    ),
-    "curves": (
-        curve_picture,
-        (("run", "curve, fainter away from the eye"), ("spot", "loose end"), _FAULT),
-    ),
-    "simplices": (
-        simplex_picture,
-        (("run", "simplices"), ("gap", "facet of one simplex only"), _OPEN[1], _FAULT),
-    ),
+_OPEN = (("gap", "facet of one simplex"), ("rim", "on the border"))
+_FAULT = (("crowd", "of more than two"), ("sore", "where the fault is"))
+# What is what in a picture, by the dimension of the simplices.
+KEYS = {
+    0: (*_SIDES, ("spot", "point"), *_FAULT),
+    1: (*_SIDES, ("run", "segments"), ("spot", "loose end"), *_FAULT),
+    2: (*_SIDES, ("front", "seen from outside"), ("back", "from inside"), *_OPEN, *_FAULT),
 }
+BEYOND = (("run", "edges of simplices"), *_OPEN, *_FAULT)
 
 
 @cache
@@ -75,19 +63,21 @@ def page(report: Report) -> str:
         .get_template("report.html")
         .render(
             report=report,
+            headline=headline(report),
+            choices=choices(report),
             failures=failures,
             groups=_groups(report),
             cases=_families_of_cases(report),
+            conventions=CONVENTIONS,
         )
     )
 
 
 def _groups(report: Report) -> dict[str, list[Summary]]:
-    """The judged claims by family."""
+    """The claims by family."""
     groups: dict[str, list[Summary]] = {}
     for summary in report.summaries.values():
-        if summary.judged:
-            groups.setdefault(summary.family, []).append(summary)
+        groups.setdefault(summary.family, []).append(summary)
     return groups
 
 
@@ -103,16 +93,11 @@ def _families_of_cases(report: Report) -> dict[str, int]:
 def _shown(report: Report, summary: Summary) -> dict[str, Any]:
     """A failed claim with its pictures and the lines that reproduce it."""
     record = report.evidence.get(summary.id)
-    declared = report.header["implementation"]
-    draw, key = DRAWN[declared["discipline"]]
-    if draw is picture:
-        draw = partial(picture, tie=declared["conventions"]["tie"])
-    pictures = _pictures(report.name, record, draw) if record is not None else []
     return {
         "summary": summary,
         "failure": summary.failure,
-        "pictures": pictures,
-        "key": key,
+        "pictures": [] if record is None else _pictures(report, record),
+        "key": () if record is None else _key(record),
         "note": _note(record),
         "record": record,
         "command": words.reproduce(report, summary),
@@ -120,28 +105,34 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
     }
 
 
-def _pictures(name: str, record: JSON, draw: Draw) -> list[tuple[str, str]]:
+def _key(record: JSON) -> tuple[tuple[str, str], ...]:
+    """What is what in the pictures of this record."""
+    n, m = record["kind"]
+    return KEYS.get(n - m, BEYOND) if n <= 3 else BEYOND
+
+
+def _pictures(report: Report, record: JSON) -> list[tuple[str, str]]:
     """What came, and beside it what contradicts it: a variant's answer, or a legal one."""
-    if "faces" not in record["came"] and not record["values"]:
+    if "simplices" not in record["came"] and not record["values"]:
         return []
-    shown = [(name, draw(record, record["came"], name))]
+    tie = report.declaration["conventions"]["tie"]
+    shown = [(report.name, record["came"])]
     posed = record.get("posed")
-    if posed is not None and "faces" in posed.get("came", {}):
-        caption = f"{name}, {posed['meaning']}; brought back"
-        shown.append((caption, draw(record, posed["came"], caption)))
-    elif posed is None and "faces" in record.get("legal", {}):
-        shown.append(("a legal answer", draw(record, record["legal"], "a legal answer")))
-    return shown
+    if posed is not None and "simplices" in posed.get("came", {}):
+        shown.append((f"{report.name}, {posed['meaning']}; brought back", posed["came"]))
+    elif posed is None and "simplices" in record.get("legal", {}):
+        shown.append(("a legal answer", record["legal"]))
+    return [(caption, picture(record, mesh, caption, tie)) for caption, mesh in shown]
 
 
 def _note(record: JSON | None) -> str:
     """What the picture leaves out."""
-    if record is None or "faces" not in record["came"] or len(record["shape"]) <= 3:
+    if record is None or "simplices" not in record["came"] or len(record["shape"]) <= 3:
         return ""
-    shown = min(SHOWN_BEYOND, len(record["came"]["faces"]))
+    count = len(record["came"]["simplices"])
     return (
         f"R^{len(record['shape'])} with one direction of the picture for each axis: of the "
-        f"{len(record['came']['faces']):,} simplices the {shown} nearest to the fault."
+        f"{count:,} simplices the {min(SHOWN_BEYOND, count)} nearest to the fault."
     )
 
 

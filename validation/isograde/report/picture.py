@@ -1,24 +1,108 @@
-"""A small field and its mesh, drawn as SVG.
+"""A small field and its mesh, drawn as SVG, with the fault where the judge named it; for any kind.
 
-Inside samples are filled, outside samples hollow. Triangles are blue from outside and orange from
-inside, so that a wrong orientation is seen. Edges that only one triangle has are red where they lie
-inside the volume, and thin where they lie on its border.
+Samples that are inside every component are filled, the others hollow; where there are several
+components, signs beside a sample say on which side of each it is. Triangles in space are blue from
+outside and orange from inside, segments in the plane have an arrow, inside on its left: a wrong
+orientation is seen. In more dimensions than three the simplices near the fault are drawn by their
+edges, with one direction of the picture for each axis.
+
+Facets that only one simplex has are red inside the lattice and thin on its border; facets of more
+than two simplices are violet. What a finding's numbers name is marked, in index coordinates::
+
+    first         a point, or the corners of a facet or simplex       ring, or thick line
+    at            a point                                             ring
+    cell          the lowest corner of a cell                         shaded box
+    sample, axes  a sample and the axes of the face that begins there shaded face, or thick edge
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
-from isograde.report.view import MARGIN, SIZE, Part, View, drawing, line
+from isograde.report.view import MARGIN, SIZE, Part, View, box, dot, drawing, line
 
-# Leave samples and lattice out of fields larger than this.
-DETAILED = 400
-# Name the axes and show values up to this many samples.
-LABELLED = 12
+# Draw samples and lattice of fields up to this many samples, and only inside samples beyond HOLLOW.
+DETAILED, HOLLOW = 400, 200
+# Name values up to this many samples, and signs of several components up to so many.
+LABELLED, SIGNED = 12, 36
+# Draw so many simplices; in more than three dimensions so many, those nearest to the fault.
+SHOWN, SHOWN_BEYOND = 6000, 4
+# Give each segment an arrow up to this many.
+ARROWED = 60
+NEAR = 10.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is drawn: a field with one of the meshes that belong to it, in index coordinates."""
+
+    shape: tuple[int, ...]
+    values: Floats
+    inside: Booleans
+    points: Floats
+    simplices: Integers
+    numbers: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any], mesh: Mapping[str, Any], tie: str) -> Scene:
+        """The scene of an evidence record; `tie` is the side of a sample equal to its isovalue."""
+        shape = tuple(record["shape"])
+        n, m = len(shape), len(record["isovalues"])
+        values = np.asarray(record["values"], np.float64)
+        values = values.reshape(m, *shape) if values.size else np.empty((m, 0))
+        level = np.asarray(record["isovalues"], np.float64).reshape(m, *[1] * (values.ndim - 1))
+        points = np.asarray(mesh.get("vertices", []), np.float64).reshape(-1, n)
+        points = (points - record["origin"]) / np.asarray(record["spacing"], np.float64)
+        rows = np.asarray(mesh.get("simplices", []), np.int64).reshape(-1, n - m + 1)
+        inside = values >= level if tie == "inside" else values > level
+        return cls(shape, values, inside, points, rows, record["finding"].get("numbers", {}))
+
+    @property
+    def n(self) -> int:
+        """Dimension of the lattice."""
+        return len(self.shape)
+
+    @property
+    def k(self) -> int:
+        """Dimension of the simplices."""
+        return int(self.simplices.shape[1]) - 1
+
+    @property
+    def samples(self) -> int:
+        """How many samples there are."""
+        return int(np.prod(self.shape))
+
+    @cached_property
+    def shown(self) -> Integers:
+        """The simplices that are drawn."""
+        count = SHOWN if self.n <= 3 else SHOWN_BEYOND
+        place = self.fault
+        if len(self.simplices) <= count or place is None:
+            return self.simplices[:count]
+        away = np.abs(self.points[self.simplices].mean(axis=1) - place).max(axis=1)
+        return self.simplices[np.argsort(away, kind="stable")[:count]]
+
+    @cached_property
+    def fault(self) -> Floats | None:
+        """The middle of what the finding names, or None."""
+        for name in ("first", "at", "cell", "sample"):
+            marked = points_of(self.numbers.get(name), self.n)
+            if marked is not None:
+                middle: Floats = marked.mean(axis=0) + (0.5 if name == "cell" else 0.0)
+                return middle
+        return None
+
+    def on_border(self, place: Floats) -> bool:
+        """These points lie on one side of the lattice's box."""
+        top = np.asarray(self.shape) - 1
+        return bool(((place == place[0]).all(axis=0) & ((place[0] == 0) | (place[0] == top))).any())
 
 
 def picture(
@@ -26,97 +110,193 @@ def picture(
 ) -> str:
     """The SVG of an evidence record's field, with one of the meshes that belong to it.
 
-    `tie` is the side on which a sample equal to the isovalue counts.
+    `tie` is the side on which a sample equal to the isovalue counts. The fault is marked in what
+    came, not in other answers.
     """
-    shape = tuple(record["shape"])
-    values = np.asarray(record["values"], np.float64).reshape(shape)
-    level = record["isovalue"]
-    inside = values >= level if tie == "inside" else values > level
-    view = View.of(shape)
-    parts = [*_lattice(view, shape), *_samples(view, values, inside)]
-    if "faces" in mesh:
-        points = (np.asarray(mesh["vertices"]).reshape(-1, 3) - record["origin"]) / np.asarray(
-            record["spacing"]
-        )
-        faces = np.asarray(mesh["faces"], np.int64).reshape(-1, 3)
-        parts += [*triangles(view, points, faces), *open_edges(view, points, faces, shape)]
+    scene = Scene.of(record, mesh, tie)
+    view = View.of(scene.shape)
+    parts = [*_lattice(view, scene), *_samples(view, scene), *_simplices(view, scene)]
+    parts += _facets(view, scene)
+    if mesh is record["came"]:
+        parts += _fault(view, scene)
     return drawing(view, parts, label)
 
 
-def _lattice(view: View, shape: tuple[int, ...]) -> Iterator[Part]:
-    """The lattice's edges, or of a large lattice the box round it."""
-    step = np.ones(3, np.int64)
-    if np.prod(shape) > DETAILED:
-        step = np.asarray(shape) - 1
-    nodes = np.indices(tuple((np.asarray(shape) - 1) // step + 1)).reshape(3, -1).T * step
-    for axis in range(3):
-        offset = np.zeros(3, np.int64)
-        offset[axis] = step[axis]
-        for start in nodes[nodes[:, axis] + step[axis] < shape[axis]]:
-            yield line(view, start, start + offset, "lat", short=_radius(int(np.prod(shape))))
+def points_of(value: Any, n: int) -> Floats | None:
+    """(r, n) the points that a finding names: one, or several; None where it names none."""
+    try:
+        points = np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        return None
+    if points.ndim == 1 and points.shape == (n,):
+        return points[None]
+    return points if points.ndim == 2 and points.shape[1] == n and len(points) else None
 
 
-def _radius(samples: int) -> float:
-    """The radius of a sample's disc; 0 where samples are not shown."""
-    if samples > DETAILED:
-        return 0.0
-    return 5.5 if samples <= LABELLED else 3.6
-
-
-def _samples(view: View, values: Floats, inside: Booleans) -> Iterator[Part]:
-    """A disc for each sample; the value beside it where there are few."""
-    radius = _radius(values.size)
-    if not radius:
+def _lattice(view: View, scene: Scene) -> Iterator[Part]:
+    """The lattice's edges, or of a large lattice or one of many axes the box round it."""
+    if scene.samples > DETAILED or scene.n > 3:
+        yield from box(view, scene.shape)
         return
-    for index in np.ndindex(*values.shape):
+    short = _radius(scene) if scene.n > 2 else 0.0
+    for start in np.ndindex(*scene.shape):
+        for axis in range(scene.n):
+            if start[axis] + 1 < scene.shape[axis]:
+                end = np.asarray(start) + np.eye(scene.n, dtype=int)[axis]
+                yield line(view, start, end, "lat", short=short, nearer=0 if scene.n > 2 else -2)
+
+
+def _radius(scene: Scene) -> float:
+    """The radius of a sample's disc; 0 where samples are not shown."""
+    if scene.samples > DETAILED or not scene.values.size:
+        return 0.0
+    return 5.5 if scene.samples <= LABELLED else 3.6
+
+
+def _samples(view: View, scene: Scene) -> Iterator[Part]:
+    """A disc for each sample, hollow outside; its value or its signs beside it where few are."""
+    radius = _radius(scene)
+    if not radius or scene.n > 3:
+        return
+    for index in np.ndindex(*scene.shape):
+        sides, values = scene.inside[(slice(None), *index)], scene.values[(slice(None), *index)]
+        if not sides.all() and scene.samples > HOLLOW:
+            continue
+        told = f"sample {index}: {', '.join(f'{value:g}' for value in values)}"
         (x, y), depth = view.place(index)
-        kind = "in" if inside[index] else "out"
-        told = f"sample {index}: {values[index]:g}"
-        svg = f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="{radius}">'
-        svg += f"<title>{told}</title></circle>"
-        if values.size <= LABELLED:
-            svg += _value(x, y, float(values[index]))
-        yield Part(float(depth) + 1e-3, svg)
+        svg = f'<circle class="{"in" if sides.all() else "out"}" cx="{x:.1f}" cy="{y:.1f}" '
+        svg += f'r="{radius}"><title>{told}</title></circle>{_said(scene, x, y, values, sides)}'
+        yield Part(float(depth) + (1e-3 if scene.n > 2 else -1), svg)
 
 
-def _value(x: float, y: float, value: float) -> str:
-    """The sample's value beside it, on the left where there is no room on the right."""
+def _said(scene: Scene, x: float, y: float, values: Floats, sides: Booleans) -> str:
+    """The sample's value or signs beside it, on the left where there is no room on the right."""
+    if len(values) == 1 and scene.samples <= LABELLED:
+        words = f"{values[0]:.3g}"
+    elif len(values) > 1 and scene.samples <= SIGNED:
+        words = "".join("+" if side else "−" for side in sides)
+    else:
+        return ""
     left = x > SIZE - 2 * MARGIN
     anchor = ' text-anchor="end"' if left else ""
     return (
         f'<text class="val" x="{x - 8 if left else x + 8:.1f}" y="{y - 7:.1f}"{anchor}>'
-        f"{value:.3g}</text>"
+        f"{words}</text>"
     )
 
 
-def triangles(view: View, points: Floats, faces: Integers) -> Iterator[Part]:
-    """The triangles, shaded by how they face the eye."""
+def _simplices(view: View, scene: Scene) -> Iterator[Part]:
+    """Points as discs, segments as lines, triangles in space as triangles; of others the edges."""
+    rows, points = scene.shown, scene.points
+    if scene.k == 0:
+        yield from (dot(view, points[row[0]], "spot", 4, nearer=NEAR / 2) for row in rows)
+    elif scene.k == 2 and scene.n == 3:
+        yield from _triangles(view, points, rows)
+    elif scene.k == 1:
+        yield from _segments(view, points, rows)
+    elif len(rows):
+        pairs = np.concatenate([rows[:, pair] for pair in combinations(range(scene.k + 1), 2)])
+        for a, b in np.unique(np.sort(pairs, axis=1), axis=0):
+            yield line(view, points[a], points[b], "run")
+
+
+def _triangles(view: View, points: Floats, rows: Integers) -> Iterator[Part]:
+    """The triangles, shaded by how they stand to the eye."""
     flat, depth = view.place(points)
-    for face in faces:
-        a, b, c = flat[face]
+    for row in rows:
+        a, b, c = flat[row]
         area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        length = np.linalg.norm(
-            np.cross(points[face[1]] - points[face[0]], points[face[2]] - points[face[0]])
-        )
-        facing = abs(area) / (length * view.scale**2) if length else 0.0
+        sides = points[row[1:]] - points[row[0]]
+        length = np.linalg.norm(np.cross(sides[0], sides[1]))
+        square = abs(area) / (length * view.scale**2) if length else 0.0
         # The picture's second axis points down, so a front face turns clockwise.
         kind = "front" if area < 0 else "back"
         corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in (a, b, c))
         svg = (
-            f'<polygon class="{kind}" points="{corners}" fill-opacity="{0.45 + 0.4 * facing:.2f}"/>'
+            f'<polygon class="{kind}" points="{corners}" fill-opacity="{0.45 + 0.4 * square:.2f}"/>'
         )
-        yield Part(float(depth[face].mean()), svg)
+        yield Part(float(depth[row].mean()), svg)
 
 
-def open_edges(
-    view: View, points: Floats, faces: Integers, shape: tuple[int, ...]
-) -> Iterator[Part]:
-    """The edges that only one triangle has."""
-    if not len(faces):
+def _segments(view: View, points: Floats, rows: Integers) -> Iterator[Part]:
+    """The segments, fainter away from the eye in space, with arrows where there are few."""
+    flat, depth = view.place(points)
+    span = float(np.ptp(depth)) if len(depth) else 0.0
+    for a, b in rows:
+        share = 0.5 + ((depth[a] + depth[b]) / 2 - depth.mean()) / (2 * span) if span else 1.0
+        svg = (
+            f'<line class="run" x1="{flat[a][0]:.1f}" y1="{flat[a][1]:.1f}" x2="{flat[b][0]:.1f}" '
+            f'y2="{flat[b][1]:.1f}" stroke-opacity="{0.45 + 0.55 * np.clip(share, 0, 1):.2f}"/>'
+        )
+        yield Part(float(depth[a] + depth[b]) / 2 + (0 if span else NEAR / 2), svg)
+        if len(rows) <= ARROWED:
+            yield from _arrow(view, flat[a], flat[b])
+
+
+def _arrow(view: View, start: Floats, end: Floats) -> Iterator[Part]:
+    """An arrowhead in the middle of a segment."""
+    length = float(np.linalg.norm(end - start))
+    if length < 4:
         return
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    ends, uses = np.unique(edges, axis=0, return_counts=True)
-    last = np.asarray(shape) - 1
-    for a, b in points[ends[uses == 1]]:
-        on_border = ((a == b) & ((a == 0) | (a == last))).any()
-        yield line(view, a, b, "rim" if on_border else "gap", nearer=0.05)
+    ahead = (end - start) / length * min(6.0, 0.3 * length, 0.2 * view.scale)
+    aside, tip = ahead[::-1] * (-0.6, 0.6), (start + end) / 2 + ahead
+    corners = (tip, tip - 1.8 * ahead + aside, tip - 1.8 * ahead - aside)
+    text = " ".join(f"{x:.1f},{y:.1f}" for x, y in corners)
+    yield Part(NEAR, f'<polygon class="head" points="{text}"/>')
+
+
+def _facets(view: View, scene: Scene) -> Iterator[Part]:
+    """Facets of one simplex: red, or thin on the border; of more than two: violet."""
+    if scene.k < 1 or not len(scene.shown):
+        return
+    width = scene.k
+    shown = {facet for row in scene.shown.tolist() for facet in combinations(sorted(row), width)}
+    for facet, uses in facets_of(scene.simplices).items():
+        place = scene.points[list(facet)]
+        if facet not in shown or uses == 2:
+            continue
+        border = scene.on_border(place)
+        kind = "crowd" if uses > 2 else "rim" if border else "gap"
+        if width == 1 and not (border and uses == 1):
+            yield dot(view, place[0], "spot" if uses == 1 else "crowd", 4, nearer=NEAR)
+        for a, b in combinations(place, 2):
+            yield line(view, a, b, kind, nearer=0.05)
+
+
+def facets_of(rows: Integers) -> dict[tuple[int, ...], int]:
+    """Each facet, its vertices in order, with the number of simplices that have it."""
+    width = rows.shape[1] - 1
+    facets = np.concatenate([rows[:, list(kept)] for kept in combinations(range(width + 1), width)])
+    ends, uses = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
+    return dict(zip(map(tuple, ends.tolist()), uses.tolist(), strict=True))
+
+
+def _fault(view: View, scene: Scene) -> Iterator[Part]:
+    """What the finding names: points, a cell, or a face of the lattice."""
+    for name in ("first", "at"):
+        marked = points_of(scene.numbers.get(name), scene.n)
+        if marked is None:
+            continue
+        if len(marked) == 1:
+            yield dot(view, marked[0], "ring", 9, nearer=NEAR)
+        for a, b in pairwise([*marked, marked[0]][: len(marked) + (len(marked) > 2)]):
+            yield line(view, a, b, "sore-line", nearer=NEAR)
+    cell = points_of(scene.numbers.get("cell"), scene.n)
+    if cell is not None:
+        yield from _block(view, cell[0], list(range(scene.n)))
+    sample = points_of(scene.numbers.get("sample"), scene.n)
+    if sample is not None:
+        axes = scene.numbers.get("axes", scene.numbers.get("axis", []))
+        yield from _block(view, sample[0], [axes] if isinstance(axes, int) else list(axes))
+
+
+def _block(view: View, low: Floats, axes: list[int]) -> Iterator[Part]:
+    """The edges of the face of the lattice that begins at a sample and spans these axes."""
+    unit = np.eye(len(low))
+    if not axes:
+        yield dot(view, low, "ring", 9, nearer=NEAR)
+    for ends in product((0, 1), repeat=len(axes)):
+        start = low + sum((end * unit[axis] for end, axis in zip(ends, axes, strict=True)), 0 * low)
+        for end, axis in zip(ends, axes, strict=True):
+            if not end:
+                yield line(view, start, start + unit[axis], "sore-line", nearer=0.02)

@@ -29,6 +29,7 @@ from dataclasses import dataclass
 from dataclasses import field as fresh
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
+from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING
 
@@ -64,11 +65,12 @@ def header(spec: str, declaration: Declaration, options: Options, arguments: lis
         "limits": {"seconds": options.limits.seconds, "megabytes": options.limits.megabytes},
         "jobs": options.jobs,
         "arguments": arguments,
-        "versions": versions(),
-        "machine": machine(),
+        "versions": dict(versions()),
+        "machine": dict(machine()),
     }
 
 
+@cache
 def versions() -> dict[str, str]:
     """The versions of Python and of each library of interest that is installed."""
     found = {"python": platform.python_version()}
@@ -80,6 +82,7 @@ def versions() -> dict[str, str]:
     return found
 
 
+@cache
 def machine() -> dict[str, str | int]:
     """What the machine is, without its name."""
     return {

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from isoref.field import Field, Floats, Integers
 
+from isograde import variants
 from isograde.model import Kind, Outcome
 from isograde.report.lines import JSON
 from isograde.report.record import finding_record
@@ -74,12 +75,10 @@ def _field_record(field: Field, isovalues: Sequence[float]) -> JSON:
 
 def _posed_record(evidence: Evidence, name: str, kind: Kind) -> JSON | None:
     """A variant of the case: how it was posed, and its answer brought back to the plain field."""
-    from isograde.variants import variant_of
-
     outcome = evidence.outcomes.get(name)
-    if outcome is None or name in ("", "plain"):
+    if outcome is None or name == "plain":
         return None
-    variant = variant_of(name, kind)
+    variant = variants.variant(name, kind)
     posed = variant.pose(evidence.field, evidence.isovalues)
     if posed is None:
         return None
@@ -93,7 +92,7 @@ def _posed_record(evidence: Evidence, name: str, kind: Kind) -> JSON | None:
     return {**record, "came": _arrays_record(vertices, _turned(mesh.simplices, variant))}
 
 
-def _turned(simplices: Integers, variant: Any) -> Integers:
+def _turned(simplices: Integers, variant: variants.Variant) -> Integers:
     """The simplices, turned over where the variant exchanges left and right."""
     if not variant.reflects or simplices.shape[1] < 2:
         return simplices

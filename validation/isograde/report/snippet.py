@@ -1,8 +1,10 @@
 """A failed case as a few lines of Python that show it without the grader.
 
-The lines hold the samples, call the implementation as its own users do, and print what the claim is
-about. For implementations that are no Python, and for cases too large to print, there is only the
-command that grades the case again.
+The lines hold the implementation as its own users call it, the samples, and statements that collect
+what is wrong, print it, and end in an assertion: they fail on the accused, and say nothing where
+the claim holds. What is wrong is looked for in the simplices, so the same lines serve every kind.
+For programs in other languages, and for cases too large to print, there is only the command that
+grades the case again.
 """
 
 from __future__ import annotations
@@ -12,238 +14,194 @@ from typing import Any
 
 import numpy as np
 
-from isograde.report import snippets_beside
-from isograde.report.record import JSON, Report, Summary
+from isograde.report.lines import JSON
+from isograde.report.reading import Report, Summary
 
-# Print samples up to this many.
-PRINTED = 200
+# Print so many numbers at most.
+PRINTED = 400
 
-SKIMAGE = """
-from skimage.measure import marching_cubes
+PYTHON_FILE = 'import runpy\n\nextract = runpy.run_path("{module}")["{function}"]'
+PYTHON = "from {module} import {function} as extract"
 
-
-def extract(values, isovalue, spacing):
-    return marching_cubes(values, isovalue, spacing=spacing, method="{rest}")[:2]
+# Two functions that every snippet has: an answer as arrays, whatever its form, and a call.
+ANSWER = '''
+def arrays(answer, n, k):
+    """Vertices and simplices of an answer: a pair, polylines, a soup, or an object with both."""
+    if hasattr(answer, "vertices"):
+        answer = answer.vertices, getattr(answer, "simplices", getattr(answer, "faces", None))
+    if isinstance(answer, tuple):
+        vertices, rows = answer
+        if k == 2:  # polygons, cut into triangles from their first corner
+            polygons = [[int(corner) for corner in row if corner >= 0] for row in rows]
+            rows = [[p[0], *p[i : i + 2]] for p in polygons for i in range(1, len(p) - 1)]
+        return np.asarray(vertices, float).reshape(-1, n), np.asarray(rows, int).reshape(-1, k + 1)
+    if k == 1 and isinstance(answer, list):  # polylines; a closed one ends where it began
+        points, rows = [], []
+        for line in map(np.asarray, answer):
+            closed = len(line) > 2 and (line[0] == line[-1]).all()
+            count, start = len(line) - closed, len(points)
+            rows += [[start + i, start + (i + 1) % count] for i in range(len(line) - 1)]
+            points += list(line[:count])
+        return np.array(points, float).reshape(-1, n), np.array(rows, int).reshape(-1, 2)
+    soup = np.asarray(answer, float).reshape(-1, k + 1, n)
+    return soup.reshape(-1, n), np.arange(soup.size // n).reshape(-1, k + 1)
+'''
+CALL = "answer = extract({values}, {isovalue}[0], {spacing})"
+CALL_SEVERAL = """# m fields at once, or one argument for each.
+several = len(signature(extract).parameters) > 3
+given = (*{values}, *{isovalue}) if several else ({values}, {isovalue})
+answer = extract(*given, {spacing})"""
+FACETS = """
+# Facets (ends, edges, ..) with the number of simplices that have each.
+sides = [np.delete(simplices, corner, axis=1) for corner in range(simplices.shape[1])]
+facets, uses = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_counts=True)
 """
-ISOREF = """
-from isoref import extract as isoref_extract
-
-
-def extract(values, isovalue, spacing):
-    mesh = isoref_extract(values, isovalue, spacing, method="{rest}")
-    return mesh.vertices, mesh.simplices
+SHOW_OPEN = (
+    FACETS
+    + """
+# Inside the lattice each has two; on the border one will do.
+for facet in vertices[facets[uses % 2 == 1]]:
+    flat = (facet == facet[0]).all(axis=0)
+    border = flat & ((abs(facet[0] - low) < 1e-6) | (abs(facet[0] - high) < 1e-6))
+    if not border.any():
+        wrong.append(f"open at {facet.tolist()}")
 """
-PYMCUBES = """
-import mcubes
-
-
-def extract(values, isovalue, spacing):
-    return mcubes.marching_cubes(values, isovalue)
+)
+SHOW_CROWDED = (
+    FACETS
+    + """
+for facet, count in zip(vertices[facets], uses):
+    if count > 2:
+        wrong.append(f"{count} simplices meet at {facet.tolist()}")
 """
-TRIMESH = """
-from trimesh.voxel.ops import matrix_to_marching_cubes
-
-
-def extract(values, isovalue, spacing):
-    mesh = matrix_to_marching_cubes(values >= isovalue, pitch=spacing)
-    return mesh.vertices, mesh.faces
-"""
-LIBIGL = """
-import igl
-
-
-def extract(values, isovalue, spacing):
-    index = np.stack(np.meshgrid(*map(np.arange, values.shape), indexing="ij"), -1) * spacing
-    points = np.stack([index[..., axis].ravel(order="F") for axis in range(3)], axis=1)
-    samples = values.astype(float).ravel(order="F")
-    return igl.marching_cubes(samples, points, *values.shape, isovalue)[:2]
-"""
-VTK = """
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-
-
-def extract(values, isovalue, spacing):
-    image = vtk.vtkImageData()
-    image.SetDimensions(values.shape)
-    image.SetSpacing(spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(order="F"), deep=True))
-    contour = vtk.{rest}()
-    contour.SetInputData(image)
-    contour.SetValue(0, isovalue)
-    contour.Update()
-    surface = contour.GetOutput()
-    if surface.GetNumberOfCells() == 0:
-        return np.empty((0, 3)), np.empty((0, 3), int)
-    faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    return vtk_to_numpy(surface.GetPoints().GetData()), faces
-"""
-VTK_LABELS = """
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-
-
-def extract(values, isovalue, spacing):
-    labels = (values >= isovalue).astype(np.uint8)
-    image = vtk.vtkImageData()
-    image.SetDimensions(values.shape)
-    image.SetSpacing(spacing)
-    image.GetPointData().SetScalars(numpy_to_vtk(labels.ravel(order="F"), deep=True))
-    contour = vtk.{rest}()
-    contour.SetValue(0, 1)
-    if hasattr(contour, "SmoothingOff"):
-        contour.SmoothingOff()
-        contour.SetOutputMeshTypeToTriangles()
-    contour.SetInputData(image)
-    contour.Update()
-    surface = contour.GetOutput()
-    if surface.GetNumberOfCells() == 0:
-        return np.empty((0, 3)), np.empty((0, 3), int)
-    faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    return vtk_to_numpy(surface.GetPoints().GetData()), faces
-"""
-PYMESHLAB = """
-import pymeshlab
-
-
-def formula(samples, axes="xyz"):
-    # MeshLab takes a field as a formula: look the sample up by its index along each axis.
-    if samples.ndim == 0:
-        return f"{{samples:.9g}}"
-    text = formula(samples[-1], axes[1:])
-    for index in reversed(range(len(samples) - 1)):
-        text = f"({{axes[0]}}<{{index + 0.5}}?{{formula(samples[index], axes[1:])}}:{{text}})"
-    return text
-
-
-def extract(values, isovalue, spacing):
-    meshes = pymeshlab.MeshSet()
-    low = dict(minx=0.0, miny=0.0, minz=0.0)
-    high = dict(zip(("maxx", "maxy", "maxz"), (n + 1.0 for n in values.shape)))
-    meshes.create_implicit_surface(
-        voxelsize=1.0, expr=formula(values.astype(float) - isovalue), **low, **high
-    )
-    mesh = meshes.current_mesh()
-    return mesh.vertex_matrix(), mesh.face_matrix()
-"""
-MANIFOLD3D = """
-from manifold3d import Manifold
-from scipy.ndimage import map_coordinates
-
-
-def extract(values, isovalue, spacing):
-    def at(*point):
-        index = [[x / h] for x, h in zip(point, spacing)]
-        return float(map_coordinates(values.astype(float), index, order=1, mode="nearest")[0])
-
-    box = [0.0, 0.0, 0.0, *((n - 1) * h for n, h in zip(values.shape, spacing))]
-    mesh = Manifold.level_set(at, box, min(spacing), level=isovalue).to_mesh()
-    return mesh.vert_properties[:, :3], mesh.tri_verts
-"""
-PYTHON_FILE = """
-import runpy
-
-extract = runpy.run_path("{module}")["{function}"]
-"""
-PYTHON = """
-from {module} import {function} as extract
-"""
-CALLS = {
-    "skimage": SKIMAGE,
-    "isoref": ISOREF,
-    "pymcubes": PYMCUBES,
-    "trimesh": TRIMESH,
-    "libigl": LIBIGL,
-    "pymeshlab": PYMESHLAB,
-    "manifold3d": MANIFOLD3D,
-}
-LABEL_FILTERS = {
-    "vtk:discrete-marching-cubes": "vtkDiscreteMarchingCubes",
-    "vtk:surface-nets": "vtkSurfaceNets3D",
-}
-FILTERS = {
-    "vtk:marching-cubes": "vtkMarchingCubes",
-    "vtk:flying-edges": "vtkFlyingEdges3D",
-    "vtk:contour-filter": "vtkContourFilter",
-}
-
-SHOW_OPEN = """
-# Edges that one triangle has and no other: inside the volume a closed surface has none.
-edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-ends, uses = np.unique(edges, axis=0, return_counts=True)
-for a, b in vertices[ends[uses == 1]]:
-    print("open edge from", a, "to", b)
-"""
-SHOW_CROWDED = """
-# Edges that more than two triangles share.
-edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-ends, uses = np.unique(edges, axis=0, return_counts=True)
-for a, b in vertices[ends[uses > 2]]:
-    print("crowded edge from", a, "to", b)
+)
+SHOW_TURNED = """
+# Two simplices that share a facet give it opposite orientations: the signs add up to zero.
+total, uses = {}, {}
+for row in simplices.tolist():
+    for corner in range(len(row)):
+        facet = row[:corner] + row[corner + 1 :]
+        swaps = sum(a > b for i, a in enumerate(facet) for b in facet[i + 1 :])
+        key = tuple(sorted(facet))
+        total[key] = total.get(key, 0) + (-1) ** (corner + swaps)
+        uses[key] = uses.get(key, 0) + 1
+for key in total:
+    if uses[key] == 2 and total[key]:
+        wrong.append(f"turned opposite ways at {vertices[list(key)].tolist()}")
 """
 SHOW_TWICE = """
-# Triangles that are there more than once.
-triangles, count = np.unique(np.sort(faces, axis=1), axis=0, return_counts=True)
-print(triangles[count > 1])
+same, count = np.unique(np.sort(simplices, axis=1), axis=0, return_counts=True)
+wrong += [f"{row.tolist()} is there more than once" for row in same[count > 1]]
 """
 SHOW_UNUSED = """
-# Vertices that no triangle uses.
-print(np.setdiff1d(np.arange(len(vertices)), faces))
+wrong += [f"no simplex uses vertex {i}" for i in np.setdiff1d(np.arange(len(vertices)), simplices)]
 """
-SHOW_ALL = """
-print(vertices)
-print(faces)
+SHOW_APART = """
+places, count = np.unique(vertices, axis=0, return_counts=True)
+wrong += [f"{c} vertices at {p.tolist()}" for p, c in zip(places, count) if c > 1]
+"""
+SHOW_RANGE = """
+wrong += [f"{row.tolist()} of {len(vertices)} vertices" for row in simplices
+          if row.min() < 0 or row.max() >= len(vertices)]
+"""
+SHOW_REPEATED = """
+wrong += [f"{row} names a vertex twice" for row in simplices.tolist() if len({*row}) < len(row)]
+"""
+SHOW_FINITE = """
+bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+wrong += [f"vertex {i} is {vertices[i].tolist()}" for i in bad]
+"""
+SHOW_FLAT = """
+for row in simplices:
+    sides = vertices[row[1:]] - vertices[row[0]]
+    if abs(np.linalg.det(sides @ sides.T)) < 1e-24:
+        wrong.append(f"no measure: {vertices[row].tolist()}")
 """
 SHOWS = {
     "topology.closed": SHOW_OPEN,
-    "robustness.ties": SHOW_OPEN,
-    "topology.edge_manifold": SHOW_CROWDED,
-    "structure.no_duplicate_face": SHOW_TWICE,
+    "topology.ties": SHOW_OPEN,
+    "topology.manifold": SHOW_CROWDED,
+    "topology.oriented": SHOW_TURNED,
+    "structure.no_duplicate": SHOW_TWICE,
     "structure.all_used": SHOW_UNUSED,
+    "structure.apart": SHOW_APART,
+    "structure.in_range": SHOW_RANGE,
+    "structure.no_repeated_index": SHOW_REPEATED,
+    "structure.finite": SHOW_FINITE,
+    "structure.with_measure": SHOW_FLAT,
 }
-PLAIN = "vertices, faces = extract(values, isovalue, spacing)\n"
-BOTH = """
-for samples, level, steps in ((values, isovalue, spacing), (posed, posed_isovalue, posed_spacing)):
-    vertices, faces = extract(samples, level, steps)
-    print(vertices)
-    print(faces)
+# Two answers that should be one have as many vertices and simplices.
+SHOW_BOTH = """
+if posed_vertices.shape != vertices.shape or posed_simplices.shape != simplices.shape:
+    wrong.append(f"{len(vertices)} vertices, {len(simplices)} simplices; {meaning}, "
+                 f"{len(posed_vertices)} and {len(posed_simplices)}")
+"""
+SHOW_PLACES = """
+elif len(vertices):
+    order, other = (np.lexsort(v.round(6).T) for v in (vertices, posed_vertices))
+    away = abs(vertices[order] - posed_vertices[other]).max()
+    wrong += [f"a vertex moved by {away:g}, {meaning}"] if away > 1e-4 else []
+"""
+# Variants that leave every vertex where it is.
+SAME_PLACES = frozenset({
+    "repeat", "scale", "shift", "fortran", "strided", "backwards", "float32", "float64", "int16",
+    "uint8", "components",
+})  # fmt: skip
+ENDED = """
+print(*wrong, sep="\\n")
+assert not wrong, {rule}
+"""
+PRINT = """
+# {detail}
+print(vertices)
+print(simplices)
 """
 
 
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
     record, call = report.evidence.get(summary.id), calling(report.spec)
-    if record is None or call is None or len(record["values"]) > PRINTED:
+    if record is None or call is None or not 0 < len(record["values"]) <= PRINTED:
         return None
-    discipline = report.header["implementation"]["discipline"]
-    if discipline != "surfaces":
-        return _beside(record, call, discipline, summary.id)
-    lines = ["import numpy as np", call.strip(), "", ""]
+    if len(record.get("posed", {}).get("values", [])) > 2 * PRINTED:
+        return None
+    n, m = record["kind"]
+    imports = (
+        ["import numpy as np"]
+        if m == 1
+        else ["from inspect import signature\n", "import numpy as np"]
+    )
+    lines = [*imports, "", "", call.strip(), "", ANSWER, ""]
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
-    lines.append(_samples(record))
-    if "posed" in record:
-        lines.append(f"# The same, {record['posed']['meaning']}.")
-        lines += [_samples(record["posed"], "posed", "posed_"), BOTH.strip()]
-    else:
-        lines += [PLAIN, SHOWS.get(summary.id, SHOW_ALL).strip()]
+    lines += [_samples(record, m), _asked(n, m), *_shows(record, summary, n, m)]
     return "\n".join(lines) + "\n"
 
 
-def _beside(record: JSON, call: str, discipline: str, claim: str) -> str | None:
-    """The lines for a discipline beside surfaces."""
-    if not record["values"]:
-        return None
-    size = int(np.prod(record["shape"]))
-    # A third component holds nothing but the second isovalue.
-    second = record["values"][2 * size] if record.get("components") == 3 else "isovalue"
-    variant = record.get("posed", {}).get("variant", "")
-    told = snippets_beside.shown(discipline, claim, second, variant)
-    if told is None:
-        return None
-    samples = _samples(record, stacked=discipline != "contours")
-    lines = ["import numpy as np", call.strip(), "", "", samples, told]
-    return "\n".join(lines) + "\n"
+def _asked(n: int, m: int, prefix: str = "") -> str:
+    """The lines that call and make arrays of the answer."""
+    names = {name: prefix + name for name in ("values", "isovalue", "spacing")}
+    call = (CALL if m == 1 else CALL_SEVERAL).format(**names)
+    return f"{call}\n{prefix}vertices, {prefix}simplices = arrays(answer, {n}, {n - m})"
+
+
+def _shows(record: JSON, summary: Summary, n: int, m: int) -> list[str]:
+    """The lines that show what is wrong."""
+    rule, detail = str(summary.claim["rule"]), record["finding"]["detail"]
+    posed = record.get("posed")
+    ended = ENDED.format(rule=ascii(rule)).rstrip()
+    if posed is not None and len(posed["shape"]) == n and posed["values"]:
+        same = SHOW_BOTH.rstrip() + (SHOW_PLACES if posed["variant"] in SAME_PLACES else "")
+        return [
+            f"\n# The same, {' '.join(posed['meaning'].split())}.",
+            _samples(posed, m, "posed_"),
+            _asked(n, m, "posed_"),
+            f"\nmeaning, wrong = {posed['meaning']!a}, []{same.rstrip()}{ended}",
+        ]
+    show = SHOWS.get(summary.id)
+    if show is None:
+        return [PRINT.format(detail=" ".join(detail.split())).rstrip()]
+    return [f"\nwrong = []{show.rstrip()}{ended}"]
 
 
 def calling(spec: str) -> str | None:
@@ -253,33 +211,31 @@ def calling(spec: str) -> str | None:
         module, _, function = rest.rpartition(":")
         template = PYTHON_FILE if module.endswith(".py") else PYTHON
         return template.format(module=module, function=function)
-    if spec in snippets_beside.CALLS:
-        return snippets_beside.CALLS[spec]
-    if spec in FILTERS:
-        return VTK.format(rest=FILTERS[spec])
-    if spec in LABEL_FILTERS:
-        return VTK_LABELS.format(rest=LABEL_FILTERS[spec])
-    return CALLS[kind].format(rest=rest) if kind in CALLS else None
+    from isograde.adapters.registry import READY_MADE
+
+    ready = READY_MADE.get(spec)
+    return None if ready is None else ready.source
 
 
 def _has_nan(record: JSON) -> bool:
     """Whether a sample is not a number."""
-    return any(isinstance(value, str) for value in [record["isovalue"], *record["values"]])
+    return any(isinstance(value, str) for value in [*record["isovalues"], *record["values"]])
 
 
-def _samples(record: JSON, name: str = "values", prefix: str = "", *, stacked: bool = False) -> str:
-    """The lines that make the samples, the isovalue and the spacing."""
+def _samples(record: JSON, m: int, prefix: str = "") -> str:
+    """The lines that make the samples, the isovalues, the spacing and the ends of the lattice."""
     numbers = [float(value) if isinstance(value, str) else value for value in record["values"]]
-    shape = [-1, *record["shape"]] if stacked else record["shape"]
+    shape = record["shape"] if m == 1 else [m, *record["shape"]]
     values = np.asarray(numbers, record["dtype"]).reshape(shape)
-    start = f"{name} = np.array("
-    printed = np.array2string(values, separator=", ", threshold=PRINTED + 1, floatmode="unique")
+    start = f"{prefix}values = np.array("
+    printed = np.array2string(values, separator=", ", threshold=10 * PRINTED, floatmode="unique")
     rows = indent(printed, " " * len(start)).strip().replace("\n\n", "\n")
     dtype = f', dtype="{record["dtype"]}"' if record["dtype"] != "float64" else ""
-    if not values.size:
-        rows = f"np.empty({values.shape})"
     spacing: Any = tuple(record["spacing"])
-    return (
-        f"{start}{rows}{dtype})\n"
-        f"{prefix}isovalue, {prefix}spacing = {record['isovalue']}, {spacing}\n"
-    )
+    lines = [
+        f"{start}{rows}{dtype})",
+        f"{prefix}isovalue, {prefix}spacing = {tuple(record['isovalues'])}, {spacing}",
+    ]
+    if not prefix:
+        lines.append(f"low, high = 0, (np.array({record['shape']}) - 1) * spacing")
+    return "\n".join(lines)

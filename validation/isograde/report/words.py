@@ -57,7 +57,7 @@ def verdict(report: Report) -> str:
 
 
 def right(report: Report) -> str:
-    """What holds on every case tried, by family of claims, in a sentence; nothing where none does."""
+    """What holds on every case tried, by family of claims, in a sentence; or nothing."""
     whole: dict[str, bool] = {}
     for summary in report.summaries.values():
         if summary.level is not None and summary.evidence:
@@ -157,7 +157,9 @@ def _word(value: Any) -> str:
     if not isinstance(value, Mapping):
         return str(value)
     if set(value) == {"inset", "end"}:
-        return f"{value['end']}, {value['inset']:g} cells inside" if value["inset"] else value["end"]
+        return (
+            f"{value['end']}, {value['inset']:g} cells inside" if value["inset"] else value["end"]
+        )
     ((name, what),) = value.items()
     return f"{name}, {len(what)} simplices" if isinstance(what, list) else f"{name} {what:g}"
 
