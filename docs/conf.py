@@ -40,6 +40,7 @@ CHAPTERS = {
         "fast.vesta",
         "fast.dual",
         "fast.marching_faces",
+        "fast.surface_intersection",
     ),
 }
 

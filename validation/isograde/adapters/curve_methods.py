@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 import isoref.fast.marching_faces
-import isoref.surface_intersection
+import isoref.fast.surface_intersection
 import numpy as np
 from isoref.field import Field
 from numpy.typing import NDArray
@@ -134,7 +134,7 @@ def _noted(function: Extract, notes: str) -> Extract:
 
 
 marching_faces = through_adapter(_reference(isoref.fast.marching_faces))
-surface_intersection = through_adapter(_reference(isoref.surface_intersection))
+surface_intersection = through_adapter(_reference(isoref.fast.surface_intersection))
 vtk = through_adapter(_noted(vtk_contour_twice, "vtkContourFilter twice, vtkStripper"))
 vtk_intersect = through_adapter(
     _noted(

@@ -32,7 +32,7 @@ def extract(values, isovalue, spacing):
     return diconex(Field.of(values, spacing), isovalue, mode="{rest}").polygons()
 """
 CURVES_ISOREF = """
-from isoref.{rest} import intersection_curves
+from isoref.fast.{rest} import intersection_curves
 from isoref.field import Field
 
 
