@@ -273,6 +273,7 @@ def _connectivity(name: str) -> str:
 # vertices stand in cells; where the surface is sampled on another grid than ours.
 _LABELS = frozenset({"linear-crossing"})
 _DUAL = frozenset({"on-edges", "linear-crossing", "manifold", "closed", "border"})
+_TETRAHEDRA = frozenset({"on-edges", "linear-crossing"})
 _OWN_GRID = frozenset({"on-edges", "linear-crossing", "separates", "border"})
 
 _SKIMAGE = Conventions(tie="outside", normals="to_high", nan="answers", empty="raises")
@@ -291,6 +292,9 @@ _OTHER_FAMILIES = {
     "surface-nets": _DUAL,
     "dual-marching-cubes": _DUAL - {"manifold"},
     "label-cubes": _LABELS,
+    "marching-tetrahedra-kuhn": _TETRAHEDRA,
+    "marching-tetrahedra-five": _TETRAHEDRA,
+    "simplicial": _TETRAHEDRA,
 }
 
 READY_MADE: dict[str, ReadyMade] = {
