@@ -48,6 +48,8 @@ CHAPTERS = {
         "fast.marching_tetrahedra",
         "fast.marching_faces",
         "fast.surface_intersection",
+        "fast.simplicial",
+        "fast.dyadic",
     ),
 }
 

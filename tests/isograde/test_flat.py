@@ -27,10 +27,10 @@ from isograde.variants import pose
 from isoref import trilinear_cubes
 from isoref.cube import EDGES, FACE_CORNERS, ambiguous_faces
 from isoref.cycles import Triangle, cycles
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
-from isoref.sweep import sweep
 
 CLAIMS: dict[str, Claim] = {
     claim.id: claim for claim in (*LEGAL, *COUNTING, *FREQUENCIES, *SYMMETRY, *TOPOLOGY, *TRILINEAR)

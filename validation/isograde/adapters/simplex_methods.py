@@ -22,9 +22,9 @@ from functools import wraps
 from typing import Any
 
 import numpy as np
+from isoref.fast.simplicial import extract as reference_extract
 from isoref.field import Field
 from isoref.kuhn import lattice_simplices
-from isoref.simplicial import extract as reference_extract
 
 from isograde.disciplines.simplices import Extract, through_adapter
 

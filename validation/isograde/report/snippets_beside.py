@@ -75,7 +75,7 @@ def extract(a, b, isovalue_a, isovalue_b, spacing):
 """
 SIMPLICES_ISOREF = """
 from isoref.field import Field
-from isoref.simplicial import extract as isoref_extract
+from isoref.fast.simplicial import extract as isoref_extract
 
 
 def extract(values, spacing):
