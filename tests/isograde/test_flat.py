@@ -389,3 +389,51 @@ def test_without_flat_triangles_there_is_nothing_to_read() -> None:
     found = drawn(values, sweep(trilinear_cubes.RULE, Field.of(values), 0.0))
     assert len(found.readings.lying) == 0
     assert found.settled is found
+
+
+# --- the border ---------------------------------------------------------------------------------
+
+
+def on_the_border() -> tuple[Floats, Mesh, Mesh]:
+    """One cell with an ambiguous face, right as it is; and the same with a quad in that face."""
+    values = np.full((2, 2, 2), -1.0)
+    values[1] = [[2, -1], [-1, 2]]
+    plain = sweep(trilinear_cubes.RULE, Field.of(values), 0.0)
+    nodes = np.flatnonzero(plain.vertices[:, 0] == 1)
+    a, b, c, d = nodes[np.lexsort(plain.vertices[nodes, 1:].T)]
+    quad = np.array([[a, b, c], [b, c, d]])
+    return values, plain, Mesh.of(plain.vertices, np.concatenate([plain.simplices, quad]))
+
+
+def test_a_quad_in_the_border_belongs_to_the_cell() -> None:
+    """Nothing is beyond the border that it could belong to, so a cell that is right is no more."""
+    values, plain, more = on_the_border()
+    assert faults(values, plain) == [Fault.NONE]
+    assert faults(values, more) == [Fault.FACE]
+    assert verdict("topology.bilinear", values, plain) is Verdict.PASS
+    assert verdict("topology.bilinear", values, more) is Verdict.FAIL
+
+
+def test_where_the_mesh_goes_on_a_quad_in_the_border_may_belong_there() -> None:
+    """As the answer in a larger grid, cut off at the border of the smaller one."""
+    values, _, more = on_the_border()
+    lattice = Lattice.of(Field.of(values), 0.0)
+    found = traces(lattice, more.vertices, more.simplices, more=True)
+    assert found.separated[0, 1]
+    assert found.joined[0, 1]
+
+
+def test_a_cap_in_the_border_is_not_the_cells() -> None:
+    """Triangles to an inside sample of the border's face close the volume; the cell is right."""
+    values, plain, _ = on_the_border()
+    joined = drawn(values, plain).joined[0, 1]
+    assert joined
+    nodes = np.flatnonzero(plain.vertices[:, 0] == 1)
+    near = nodes[(plain.vertices[nodes, 1:].sum(axis=1) < 1)]
+    top = len(plain.vertices)
+    ends = np.concatenate([plain.vertices, [[1, 0, 0], [1, 1, 1]]])
+    far = np.setdiff1d(nodes, near)
+    cap = np.array([[*near, top], [*far, top + 1], [*near, far[0]], [near[0], *far]])
+    capped = Mesh.of(ends, np.concatenate([plain.simplices, cap]))
+    found = drawn(values, capped)
+    assert found.joined[0, 1]

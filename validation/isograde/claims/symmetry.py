@@ -92,7 +92,7 @@ def _difference(trial: Trial, variant: Variant, mesh: Mesh) -> str:
     """How the variant's answer differs from the plain one; nothing where it does not."""
     lattice = lattice_of(trial)
     other = _brought_back(trial, variant, mesh)
-    theirs = traces(lattice, other.points, other.faces)
+    theirs = traces(lattice, other.points, other.faces, more=True)
     ours = traces_of(trial)
     judged = remembered(trial, "judged faces", lambda: _judged_faces(trial, ours))
     row, other_row, lost = _matched(ours, theirs)
