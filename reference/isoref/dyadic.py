@@ -136,9 +136,11 @@ class Samples:
         >>> Samples.of_function(lambda x: x.sum(axis=1, keepdims=True), (3, 3)).at(np.array([5]))
         array([[3.]])
         """
+        # Place the lattice.
         steps = np.broadcast_to(np.asarray(spacing, np.float64), (len(shape),))
         lattice = Field(np.empty(0), tuple(steps.tolist()), tuple(origin or [0.0] * len(shape)))
 
+        # Ask the function where a sample is asked for.
         def at(numbers: Integers) -> Floats:
             index = np.array(np.unravel_index(numbers, tuple(shape)), np.float64).T
             values = np.asarray(function(lattice.position(index)), np.float64)
@@ -149,6 +151,7 @@ class Samples:
                 )
             return values
 
+        # Count the components.
         m = at(np.zeros(1, np.int64)).shape[1]
         return cls(tuple(shape), lattice.spacing, lattice.origin, m, at)
 
@@ -401,7 +404,7 @@ def extract_dyadic(
     >>> i = np.indices((17, 17))
     >>> field = Field.of(((i - 8.5) ** 2).sum(axis=0))
     >>> extract_dyadic(Samples.of_field(field), local_slopes(field), 20.0)
-    Mesh(62 vertices in R^2, 62 simplices of dimension 1)
+    Mesh(58 vertices in R^2, 58 simplices of dimension 1)
     """
     tree = dyadic_tree(samples, bound, isovalue, test)
     complex_ = section_of_leaves(samples, tree, isovalue, rule, epsilon)

@@ -265,8 +265,11 @@ def passages(own: Triangle, other: Triangle) -> tuple[Passage, Passage] | None:
 
     None where all of `own` is on one side; in the plane is behind it.
     """
+    # See which corners are in front of the plane.
     x, y, z = other
     height = [orientation(x, y, z, p) for p in own]
+
+    # Find the edges between front and back, and where they pass.
     found: dict[bool, Passage] = {}
     for e in range(3):
         low, high = height[e], height[(e + 1) % 3]
