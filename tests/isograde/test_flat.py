@@ -25,12 +25,12 @@ from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_grid import active_cells
 from isograde.variants import pose
 from isoref import trilinear_cubes
-from isoref.cube import EDGES, FACE_CORNERS, ambiguous_faces
-from isoref.cycles import Triangle, cycles
 from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
 from isoref.mesh import Mesh
-from isoref.rule import Rule, Tile
+from isoref.rule import Rule
+
+from tests.isograde.families import collared
 
 CLAIMS: dict[str, Claim] = {
     claim.id: claim for claim in (*LEGAL, *COUNTING, *FREQUENCIES, *SYMMETRY, *TOPOLOGY, *TRILINEAR)
@@ -39,39 +39,6 @@ UPPER, LOWER = (1, 3, 5), (0, 2, 4)
 
 
 # --- extractors that lie in faces ---------------------------------------------------------------
-
-
-def collar(signs: int, separated: int, face: int) -> list[Triangle]:
-    """The quad between the two segments that these decisions put on a face, as two triangles."""
-    on = {e for e, ends in enumerate(EDGES) if set(ends) <= set(FACE_CORNERS[face])}
-    arcs = [
-        (p, q)
-        for polygon in cycles(signs, separated)
-        for p, q in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
-        if {p, q} <= on
-    ]
-    (a, b), (c, d) = arcs
-    return [(b, a, d), (b, d, c)]
-
-
-def collared(faces: tuple[int, ...], careful: bool = True) -> Rule:
-    """Trilinear cubes with collars on these faces, where that is right; else wherever it can be."""
-
-    def tile(signs: int, decisions: int) -> Tile:
-        if decisions & ~trilinear_cubes.FACE_BITS:
-            return trilinear_cubes.tile(signs, decisions)
-        now, more = decisions, []
-        for face in ambiguous_faces(signs):
-            flipped = now ^ 1 << face
-            grown = len(cycles(signs, flipped)) - len(cycles(signs, now))
-            if face in faces and (grown == 1 or not careful):
-                now = flipped
-                more.append(face)
-        plain = trilinear_cubes.tile(signs, now)
-        quads = [triangle for face in more for triangle in collar(signs, now, face)]
-        return Tile((*plain.triangles, *quads), plain.interior)
-
-    return Rule("collared", tile, trilinear_cubes.decisions, trilinear_cubes.asks, 8)
 
 
 ABOVE, BELOW, BOTH = collared(UPPER), collared(LOWER), collared((*UPPER, *LOWER))
