@@ -15,8 +15,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
+from isoref.fast import surface_intersection
 from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
 from isoref.plane_waves import random_waves

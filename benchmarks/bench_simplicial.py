@@ -14,10 +14,11 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
-from isoref.dyadic import Samples, SlopeBound, dyadic_tree, extract_dyadic
+from isoref.dyadic import Samples, SlopeBound
+from isoref.fast.dyadic import dyadic_tree, extract_dyadic
+from isoref.fast.simplicial import extract
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
-from isoref.simplicial import extract
 from stopwatch import interleave, machine_state, peak_memory
 
 Make = Callable[[], Mesh]

@@ -20,7 +20,13 @@ CHAPTERS = {
     "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
     "Its repair": ("asymptotic_decider", "trilinear_cubes", "methods"),
     "Volume-enclosing surfaces": ("diconex", "vesta", "marching_vesta", "freeze_out"),
-    "Other families": ("dual", "surface_nets", "dual_marching_cubes", "label_cubes"),
+    "Other families": (
+        "dual",
+        "surface_nets",
+        "dual_marching_cubes",
+        "label_cubes",
+        "marching_tetrahedra",
+    ),
     "Where two isosurfaces meet": (
         "curves",
         "marching_faces",
@@ -39,7 +45,11 @@ CHAPTERS = {
         "fast.diconex",
         "fast.vesta",
         "fast.dual",
+        "fast.marching_tetrahedra",
         "fast.marching_faces",
+        "fast.surface_intersection",
+        "fast.simplicial",
+        "fast.dyadic",
     ),
 }
 

@@ -12,8 +12,8 @@ stereographic projection, it is an ordinary ring.
 import matplotlib.pyplot as plt
 import numpy as np
 from isoref import Field
+from isoref.fast.simplicial import extract
 from isoref.projection import project
-from isoref.simplicial import extract
 from matplotlib.colors import LightSource
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 

@@ -13,17 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from isograde.oracles.space_curves import KNOWN
 from isograde.reproduction import Table
-from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
-from isoref.fast import marching_faces
+from isoref.fast import marching_faces, surface_intersection
+from isoref.fast.surface_intersection import enhanced_marching_cubes, segment_chains
 from isoref.field import Field
 from isoref.plane_waves import nodal_density, random_waves
-from isoref.surface_intersection import (
-    Segments,
-    enhanced_marching_cubes,
-    greedy_chains,
-    segment_chains,
-)
+from isoref.surface_intersection import Segments, combine_line_segments, greedy_chains
 
 # In longest edges of a voxel.
 THRESHOLDS = (0.0, 1e-15, 1e-12, 1e-6, 1e-2, 0.1, 0.3, 1.0, 2.0)
@@ -157,7 +152,7 @@ def joining(side: int, k: float, seeds: Sequence[int]) -> Table:
         one, two = (enhanced_marching_cubes(field, 0.0) for field in pair)
         segments = surface_intersection.surface_intersection(one, two)
         exact = surface_intersection.join_segments(segments)
-        greedy = surface_intersection.combine_line_segments(segments, one.shape, 1e-3 / side)
+        greedy = combine_line_segments(segments, one.shape, 1e-3 / side)
         faces = marching_faces.intersection_curves(*pair, rule="asymptotic")
         for name, curves in (("identity", exact), ("greedy", greedy), ("faces", faces)):
             length = sum(curve.length for curve in curves)

@@ -13,16 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from isograde.reproduction import Table
 from isoref.curves import real_and_imaginary
+from isoref.fast.surface_intersection import enhanced_marching_cubes, surface_intersection
 from isoref.field import Field, Floats
 from isoref.mesh import Mesh
 from isoref.methods import RULES
 from isoref.plane_waves import Complex
-from isoref.surface_intersection import (
-    IndexedSurface,
-    Segments,
-    enhanced_marching_cubes,
-    surface_intersection,
-)
+from isoref.surface_intersection import IndexedSurface, Segments
 
 Sampler = Callable[..., Complex]
 # 1987, the asymptotic decider, and VESTA's cycles cut with other diagonals.

@@ -18,12 +18,11 @@ from pathlib import Path
 
 import numpy as np
 from isograde.reproduction import Table
-from isoref import surface_intersection
 from isoref.curves import real_and_imaginary
-from isoref.fast import marching_faces
+from isoref.fast import marching_faces, surface_intersection
+from isoref.fast.surface_intersection import candidate_pairs, enhanced_marching_cubes
 from isoref.field import Field
 from isoref.plane_waves import random_waves
-from isoref.surface_intersection import candidate_pairs, enhanced_marching_cubes
 from ljung_pictures import save
 from scipy import stats
 

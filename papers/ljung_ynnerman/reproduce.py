@@ -19,12 +19,13 @@ import ljung_lines as lines
 import ljung_scaling as scalings
 import numpy as np
 from isograde.reproduction import Table, write_report
-from isoref import lorensen_cline, surface_intersection
+from isoref import lorensen_cline
 from isoref.curves import real_and_imaginary
-from isoref.fast import marching_faces
+from isoref.fast import marching_faces, surface_intersection
+from isoref.fast.surface_intersection import enhanced_marching_cubes
 from isoref.field import Field, Floats
 from isoref.plane_waves import Complex, bounded_waves, random_waves
-from isoref.surface_intersection import IndexedSurface, enhanced_marching_cubes
+from isoref.surface_intersection import IndexedSurface, Segments
 from ljung_pictures import figure_1, save
 from ljung_vortices import complex_mri, vortices
 
@@ -76,7 +77,7 @@ class Waves:
     k: float
     fields: tuple[Field, Field]
     surfaces: tuple[IndexedSurface, IndexedSurface]
-    segments: surface_intersection.Segments
+    segments: Segments
 
     @classmethod
     def of(cls, psi: Complex, k: float, side: int) -> Waves:

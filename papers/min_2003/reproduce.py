@@ -22,7 +22,9 @@ import min_pictures as pictures
 import numpy as np
 from isograde.oracles import simplices as oracle
 from isograde.reproduction import Table, write_report
-from isoref.dyadic import Tree, dyadic_tree, section_of_leaves
+from isoref.dyadic import Tree
+from isoref.fast.dyadic import dyadic_tree, section_of_leaves
+from isoref.fast.simplicial import extract, section_of_field
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.projection import normals, project
@@ -35,7 +37,7 @@ from isoref.simplex_section import (
     printed,
     section_types,
 )
-from isoref.simplicial import Complex, extract, gradients, section_of_field, to_mesh
+from isoref.simplicial import Complex, gradients, to_mesh
 
 HERE = Path(__file__).parent
 TABLES: dict[str, Any] = json.loads((HERE / "tables.json").read_text(encoding="utf-8"))

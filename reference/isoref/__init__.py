@@ -7,7 +7,8 @@ them, with the same names and the same answers, and `extract` uses these. Read i
    `field` and `mesh`.
 2. Its repair: `asymptotic_decider`, `trilinear_cubes`, and the catalogue, `methods`.
 3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`.
-4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`.
+4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
+   `marching_tetrahedra`.
 5. Where two isosurfaces meet: `curves`, `marching_faces`, `surface_intersection`, `plane_waves`.
 6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`, `dyadic`, `projection`.
 """

@@ -77,12 +77,14 @@ def follow(successor: Integers) -> list[tuple[Integers, bool]]:
     >>> [(chain.tolist(), closed) for chain, closed in follow(np.array([3, 2, 1, -1]))]
     [([0, 3], False), ([1, 2], True)]
     """
+    # Begin chains at the items that follow none, and then cycles at any item that is left.
     after = successor.tolist()
     heads = np.setdiff1d(np.arange(len(after)), successor).tolist()
     seen = [False] * len(after)
     found = []
     for closed, starts in ((False, heads), (True, range(len(after)))):
         for start in starts:
+            # Follow it to its end, or back to its start.
             chain, item = [], start
             while item >= 0 and not seen[item]:
                 seen[item] = True
@@ -102,12 +104,12 @@ def real_and_imaginary(psi: ArrayLike, spacing: ArrayLike | None = None) -> tupl
         for what `Field.of` refuses, and for an array that is not three-dimensional.
     """
     samples = np.asarray(psi, np.complex128)
-    steps = None if spacing is None else np.broadcast_to(np.asarray(spacing, float), (3,)).tolist()
+    steps = None if spacing is None else np.asarray(spacing).tolist()
     return Field.of(samples.real, steps, dimension=3), Field.of(samples.imag, steps, dimension=3)
 
 
 def check_pair(first: Field, second: Field, isovalues: tuple[float, float]) -> None:
-    """Nothing, where two scalar fields stand on one three-dimensional lattice; else raises.
+    """Raise FieldError unless two scalar fields stand on one three-dimensional lattice.
 
     Raises
     ------
@@ -115,6 +117,7 @@ def check_pair(first: Field, second: Field, isovalues: tuple[float, float]) -> N
         for fields of other dimension, several components, or lattices that differ, and for
         isovalues that are not finite numbers.
     """
+    # Look at each field by itself.
     for number, (field, isovalue) in enumerate(zip((first, second), isovalues, strict=True), 1):
         check_isovalue(isovalue)
         if field.dimension != 3 or field.components != 1 or field.values.ndim != 3:
@@ -122,6 +125,8 @@ def check_pair(first: Field, second: Field, isovalues: tuple[float, float]) -> N
                 f"field {number} has rank {field.values.ndim} on a lattice of dimension "
                 f"{field.dimension}; take one scalar component in three dimensions"
             )
+
+    # Compare their lattices.
     if first.shape != second.shape:
         raise FieldError(
             f"fields of shapes {first.shape} and {second.shape} are not co-located; "

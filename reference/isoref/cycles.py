@@ -78,9 +78,12 @@ def cycles(signs: int, separated: int) -> tuple[Polygon, ...]:
     >>> [len(polygon) for polygon in cycles(0b01101001, ALL_SEPARATED)]
     [3, 3, 3, 3]
     """
+    # Collect the segments of all faces: each crossed edge starts one.
     successor = dict(
         segment for f in range(6) for segment in segments(signs, f, bool(separated >> f & 1))
     )
+
+    # Follow them round.
     found = []
     waiting = set(crossed_edges(signs))
     while waiting:

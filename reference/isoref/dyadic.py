@@ -14,6 +14,7 @@ axis otherwise, and do the same with the 2^n parts, down to single cells::
     ..
 
 Samples may come from an array or from a function that is called only where it is asked.
+`isoref.fast.dyadic` is the vectorised twin: the same boxes in the same order, the same mesh.
 
 Two things may be chosen: what is known of the samples, and where they are tested.
 
@@ -53,8 +54,8 @@ of a leaf. Where no sample was asked for it cannot be.
 
 References
 ----------
-1. C. Min, 2003: section 6, Figure 3.
-2. J. Strain, "Tree methods for moving interfaces", J. Comput. Phys. 151, 1999.
+[1] C. Min, 2003: section 6, Figure 3.
+[2] J. Strain, "Tree methods for moving interfaces", J. Comput. Phys. 151, 1999.
 """
 
 from __future__ import annotations
@@ -66,35 +67,25 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from isoref.field import Booleans, Field, FieldError, Floats, Integers
+from isoref.field import Field, FieldError, Floats, Integers
 from isoref.kuhn import corner_offsets, strides
 from isoref.mesh import Mesh
 from isoref.simplicial import (
     Complex,
     Isovalue,
     Sampler,
-    allowed_memory,
     check_input,
-    check_memory,
     checked_values,
     levels,
     section_of_cells,
-    sign_bits,
-    straddles,
+    takes_both_signs,
     to_mesh,
-    weld,
     zeroed,
 )
 
 Function = Callable[[Floats], Floats]
 Slopes = Callable[[Integers, Integers], Floats]
-
-# Boxes tested at once with all their corners: what fits the cache matters more than the number.
-BLOCK = 1 << 15
-
-# Bytes of a box and an axis while a level is made: the corners before and after boxes beyond the
-# lattice are left out, and the corners that are kept.
-BOX_BYTES = 3 * 8
+Test = Literal["corners", "centre"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +136,11 @@ class Samples:
         >>> Samples.of_function(lambda x: x.sum(axis=1, keepdims=True), (3, 3)).at(np.array([5]))
         array([[3.]])
         """
+        # Place the lattice.
         steps = np.broadcast_to(np.asarray(spacing, np.float64), (len(shape),))
         lattice = Field(np.empty(0), tuple(steps.tolist()), tuple(origin or [0.0] * len(shape)))
 
+        # Ask the function where a sample is asked for.
         def at(numbers: Integers) -> Floats:
             index = np.array(np.unravel_index(numbers, tuple(shape)), np.float64).T
             values = np.asarray(function(lattice.position(index)), np.float64)
@@ -158,6 +151,7 @@ class Samples:
                 )
             return values
 
+        # Count the components.
         m = at(np.zeros(1, np.int64)).shape[1]
         return cls(tuple(shape), lattice.spacing, lattice.origin, m, at)
 
@@ -228,59 +222,33 @@ def global_slopes(field: Field) -> SlopeBound:
     array([[2., 2.]])
     """
     axes = range(field.dimension)
-    largest = [_steps(field, axis).reshape(field.components, -1).max(axis=1) for axis in axes]
+    largest = [
+        absolute_steps(field, axis).reshape(field.components, -1).max(axis=1) for axis in axes
+    ]
     return SlopeBound(np.stack(largest, axis=1))
 
 
-def local_slopes(field: Field, memory: int | None = None) -> SlopeBound:
-    """The largest change of each component in one step along each axis, box by box.
-
-    Maxima of cells, of blocks of 2^n cells, and so on: a look-up for every box of the tree. It
-    takes about n + 2 times the memory of the field as float64, of the bytes in `memory` or of
-    what the machine has free; a `FieldError` says beforehand where that is too little.
-    """
-    m, n = field.components, field.dimension
-    needed = (n + 2) * field.values.size * 8
-    check_memory(needed, allowed_memory(memory), f"a look-up of slopes over {field.shape} samples")
-    cells = np.empty((m, n, *(N - 1 for N in field.shape)))
-    for axis in range(n):
-        cells[:, axis] = _to_cells(_steps(field, axis), axis)
-    pyramid = [cells]
-    while max(pyramid[-1].shape[2:]) > 1:
-        pyramid.append(_halved(pyramid[-1]))
-
-    def slopes(low: Integers, high: Integers) -> Floats:
-        side = int((high - low).max(initial=1))
-        level = (side - 1).bit_length()
-        block = tuple((low >> level).T)
-        return np.moveaxis(pyramid[min(level, len(pyramid) - 1)][:, :, *block], -1, 0)
-
-    return SlopeBound(slopes)
-
-
-def _steps(field: Field, axis: int) -> Floats:
+def absolute_steps(field: Field, axis: int) -> Floats:
     """The absolute change of each sample to the next one along `axis`, (m, N1, .., Nn)."""
     values = field.values.reshape(field.components, *field.shape).astype(np.float64, copy=False)
     steps = np.diff(values, axis=1 + axis)
     return np.abs(steps, out=steps)
 
 
-def _to_cells(steps: Floats, axis: int) -> Floats:
-    """For each cell the maximum of `steps` over its edges along `axis`."""
-    for other in range(1, steps.ndim):
-        if other != 1 + axis:
-            low = (slice(None),) * other + (slice(None, -1),)
-            high = (slice(None),) * other + (slice(1, None),)
-            steps = np.maximum(steps[low], steps[high])
-    return steps
+def local_slopes(field: Field) -> SlopeBound:
+    """The largest change of each component in one step along each axis, box by box."""
+    values = field.values.reshape(field.components, *field.shape).astype(np.float64)
 
+    def slopes(low: Integers, high: Integers) -> Floats:
+        found = np.empty((len(low), field.components, field.dimension))
+        for b in range(len(low)):
+            box = tuple(slice(i, j + 1) for i, j in zip(low[b], high[b], strict=True))
+            for axis in range(field.dimension):
+                steps = np.abs(np.diff(values[:, *box], axis=1 + axis))
+                found[b, :, axis] = steps.reshape(field.components, -1).max(axis=1)
+        return found
 
-def _halved(blocks: Floats) -> Floats:
-    """Maxima over blocks of two along every axis but the first two."""
-    for axis in range(2, blocks.ndim):
-        even = np.arange(0, blocks.shape[axis], 2)
-        blocks = np.maximum.reduceat(blocks, even, axis=axis)
-    return blocks
+    return SlopeBound(slopes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +282,7 @@ class Tree:
 
 def clipped(low: Integers, side: int, shape: tuple[int, ...]) -> Integers:
     """The high corners of boxes of this side, none beyond the lattice."""
-    return np.asarray(np.minimum(low + side, np.array(shape) - 1))
+    return np.asarray(np.minimum(low + side, np.array(shape) - 1), np.int64)
 
 
 def corner_numbers(low: Integers, high: Integers, shape: tuple[int, ...]) -> Integers:
@@ -328,39 +296,96 @@ def dyadic_tree(
     samples: Samples,
     bound: Bound,
     isovalue: Isovalue = 0.0,
-    test: Literal["corners", "centre"] = "centre",
-    memory: int | None = None,
+    test: Test = "centre",
 ) -> Tree:
     """The tree of boxes that may meet the isosurface (section 6).
+
+    Parameters
+    ----------
+    samples : a lattice with m components
+    bound : what is known of them
+    isovalue : one number for all components, or one a component
+    test : where a box is tested; see the module's text
 
     Raises
     ------
     FieldError
-        for bad samples, where two samples contradict the bound, or before a level of boxes that
-        is too large for the memory.
+        for bad samples, or where two samples contradict the bound.
     """
     check_input(samples.shape, samples.components)
     level = levels(isovalue, samples.components)
-    allowed = allowed_memory(memory)
     n, cells = len(samples.shape), np.array(samples.shape) - 1
-    probe = _Prober(samples, bound, level, test)
+
+    # Start with one box that holds the whole lattice.
     side = 1 << int(cells.max() - 1).bit_length()
-    low = np.zeros((1, n), np.int64)
+    waiting = [np.zeros(n, np.int64)]
     sides: list[int] = []
     boxes: list[Integers] = []
     tested = 0
     while True:
-        tested += len(low)
-        low = low[probe.may_meet(low, side)]
+        # Drop the boxes that the surface cannot meet.
+        kept = [low for low in waiting if may_meet(samples, bound, level, low, side, test)]
+        tested += len(waiting)
         sides.append(side)
-        boxes.append(low)
+        boxes.append(np.array(kept, np.int64).reshape(-1, n))
         if side == 1:
             return Tree(sides, boxes, tested)
+
+        # Halve the others along every axis, and leave out what lies beyond the lattice.
         side //= 2
-        children = len(low) << n
-        check_memory(BOX_BYTES * n * children, allowed, f"a level of {children:,} boxes")
-        low = (low[:, None] + side * corner_offsets(n)).reshape(-1, n)
-        low = low[(low < cells).all(axis=1)]
+        parts = [low + side * offset for low in kept for offset in corner_offsets(n)]
+        waiting = [low for low in parts if (low < cells).all()]
+
+
+def may_meet(
+    samples: Samples, bound: Bound, level: Floats, low: Integers, side: int, test: Test
+) -> bool:
+    """Whether the box of this side with low corner (n,) may meet the isosurface."""
+    high = clipped(low, side, samples.shape)
+    corners = corner_numbers(low[None], high[None], samples.shape)[0]
+    spread = bound.spread((high - low)[None], low[None], high[None])[0]
+
+    def phi(numbers: Integers) -> Floats:
+        return checked_values(samples.at(numbers) - level)
+
+    # The paper's test: is a corner farther from 0 than phi can change across the box?
+    if test == "corners":
+        values = phi(corners)
+        check_bound(np.ptp(values, axis=0), spread, low, high)
+        return bool((np.abs(values).max(axis=0) <= spread).all())
+
+    # The tighter test: is the middle farther from 0 than phi can change from there to a corner?
+    centre, step = (low + high) // 2, strides(samples.shape)
+    reach = bound.spread((high - centre)[None], low[None], high[None])[0]
+    middle, corner = phi(np.array([centre @ step, high @ step]))
+    check_bound(np.abs(corner - middle), reach, centre, high)
+    if not (np.abs(middle) <= reach).all():
+        return False
+    if side > 1:
+        return True
+
+    # A cell stays only where every component takes both signs on its corners.
+    values = phi(corners)
+    crossed = takes_both_signs(values)
+    if crossed:
+        check_bound(np.ptp(values, axis=0), spread, low, high)
+    return crossed
+
+
+def check_bound(change: Floats, spread: Floats, low: Integers, high: Integers) -> None:
+    """Raise FieldError unless the samples of a box change by no more than the bound says.
+
+    `change` and `spread` have one number a component, (m,); `spread` may have one for all.
+    """
+    wrong = np.flatnonzero(change > spread * (1 + 1e-9))
+    if len(wrong):
+        c = int(wrong[0])
+        allowed = np.broadcast_to(spread, change.shape)[c]
+        raise FieldError(
+            f"the bound is too small: component {c} changes by {change[c]:.6g} between "
+            f"samples of the box from {low.tolist()} to {high.tolist()}, "
+            f"the bound allows {allowed:.6g}"
+        )
 
 
 def extract_dyadic(
@@ -368,26 +393,22 @@ def extract_dyadic(
     bound: Bound,
     isovalue: Isovalue = 0.0,
     *,
-    test: Literal["corners", "centre"] = "centre",
+    test: Test = "centre",
     rule: str = "staircase",
     epsilon: float | None = None,
-    memory: int | None = None,
 ) -> Mesh:
     """The mesh of `isoref.simplicial.extract`, from the leaves of the tree alone.
 
-    Parameters are those of `extract` and of `dyadic_tree`.
+    Parameters and errors are those of `extract` and of `dyadic_tree`.
 
-    >>> i = np.indices((65, 65))
-    >>> field = Field.of(((i - 32.5) ** 2).sum(axis=0))
-    >>> extract_dyadic(Samples.of_field(field), local_slopes(field), 300.0)
-    Mesh(234 vertices in R^2, 234 simplices of dimension 1)
+    >>> i = np.indices((17, 17))
+    >>> field = Field.of(((i - 8.5) ** 2).sum(axis=0))
+    >>> extract_dyadic(Samples.of_field(field), local_slopes(field), 20.0)
+    Mesh(58 vertices in R^2, 58 simplices of dimension 1)
     """
-    tree = dyadic_tree(samples, bound, isovalue, test, memory)
-    return to_mesh(
-        section_of_leaves(samples, tree, isovalue, rule, epsilon, memory),
-        samples.spacing,
-        samples.origin,
-    )
+    tree = dyadic_tree(samples, bound, isovalue, test)
+    complex_ = section_of_leaves(samples, tree, isovalue, rule, epsilon)
+    return to_mesh(complex_, samples.spacing, samples.origin)
 
 
 def section_of_leaves(
@@ -396,7 +417,6 @@ def section_of_leaves(
     isovalue: Isovalue = 0.0,
     rule: str = "staircase",
     epsilon: float | None = None,
-    memory: int | None = None,
 ) -> Complex:
     """The isosurface in the leaves of a tree, as a complex whose simplices know their parents."""
     level = levels(isovalue, samples.components)
@@ -404,76 +424,5 @@ def section_of_leaves(
     def sample(numbers: Integers) -> Floats:
         return zeroed(samples.at(numbers) - level, epsilon)
 
-    cells = tree.leaves @ strides(samples.shape)
-    return section_of_cells(samples.shape, cells, sample, rule, epsilon, memory)
-
-
-@dataclass(frozen=True, eq=False)
-class _Prober:
-    """Tests boxes with one bound in one way."""
-
-    samples: Samples
-    bound: Bound
-    level: Floats
-    test: str
-
-    def may_meet(self, low: Integers, side: int) -> Booleans:
-        """Which boxes, low corners (B, n), cannot be ruled out."""
-        in_cells = self._by_signs if side == 1 else self._by_centre
-        one = self._by_corners if self.test == "corners" else in_cells
-        high = clipped(low, side, self.samples.shape)
-        kept = [
-            one(low[start : start + BLOCK], high[start : start + BLOCK])
-            for start in range(0, len(low), BLOCK)
-        ]
-        return np.concatenate([np.zeros(0, bool), *kept])
-
-    def _values(self, numbers: Integers) -> Floats:
-        """Phi minus the isovalue at samples of any shape (..), each computed once: (.., m)."""
-        distinct, places = weld(numbers.ravel())
-        values = self._minus_level(distinct)
-        return np.asarray(values[places].reshape(*numbers.shape, values.shape[1]))
-
-    def _minus_level(self, numbers: Integers) -> Floats:
-        """Phi minus the isovalue at samples (P,), (P, m)."""
-        return checked_values(self.samples.at(numbers) - self.level)
-
-    def _by_corners(self, low: Integers, high: Integers) -> Booleans:
-        """The paper's test."""
-        values = self._values(corner_numbers(low, high, self.samples.shape))
-        spread = self.bound.spread(high - low, low, high)
-        self._check(np.ptp(values, axis=1), spread, low, high)
-        return np.asarray((np.abs(values).max(axis=1) <= spread).all(axis=1))
-
-    def _by_centre(self, low: Integers, high: Integers) -> Booleans:
-        """The tighter test; the highest corner is asked too, to check the bound."""
-        centre, step = (low + high) // 2, strides(self.samples.shape)
-        middle, corner = self._values(centre @ step), self._values(high @ step)
-        reach = self.bound.spread(high - centre, low, high)
-        self._check(np.abs(corner - middle), reach, centre, high)
-        return np.asarray((np.abs(middle) <= reach).all(axis=1))
-
-    def _by_signs(self, low: Integers, high: Integers) -> Booleans:
-        """The test of cells: signs at all corners, asked where the lowest one leaves it open."""
-        near = np.flatnonzero(self._by_centre(low, high))
-        numbers = corner_numbers(low[near], high[near], self.samples.shape)
-        distinct, places = weld(numbers.ravel())
-        values, places = self._minus_level(distinct), places.reshape(numbers.shape)
-        crossed = straddles(sign_bits(values)[places].T, values.shape[1])
-        kept = np.zeros(len(low), bool)
-        kept[near[crossed]] = True
-        spread = self.bound.spread((high - low)[kept], low[kept], high[kept])
-        self._check(np.ptp(values[places[crossed]], axis=1), spread, low[kept], high[kept])
-        return kept
-
-    def _check(self, change: Floats, spread: Floats, low: Integers, high: Integers) -> None:
-        """Nothing, where samples change by no more than the bound says; else a `FieldError`."""
-        wrong = np.argwhere(change > spread * (1 + 1e-9))
-        if len(wrong):
-            box, c = (int(i) for i in wrong[0])
-            allowed = np.broadcast_to(spread, change.shape)[box, c]
-            raise FieldError(
-                f"the bound is too small: component {c} changes by {change[box, c]:.6g} between "
-                f"samples of the box from {low[box].tolist()} to {high[box].tolist()}, "
-                f"the bound allows {allowed:.6g}"
-            )
+    cells = np.sort(tree.leaves @ strides(samples.shape))
+    return section_of_cells(samples.shape, cells, sample, rule, epsilon)

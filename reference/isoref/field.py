@@ -60,7 +60,7 @@ class Field:
         cls,
         values: ArrayLike,
         spacing: float | Sequence[float] | None = None,
-        origin: Sequence[float] | None = None,
+        origin: float | Sequence[float] | None = None,
         *,
         dimension: int | None = None,
     ) -> Field:
@@ -70,7 +70,7 @@ class Field:
         ----------
         values : array-like of real numbers
         spacing : one number for all axes or one an axis; 1 by default
-        origin : one number an axis; 0 by default
+        origin : one number for all axes or one an axis; 0 by default
         dimension : n, where it is not the rank of `values`: with ``dimension = rank - 1`` the
             first axis counts components
 
@@ -78,7 +78,8 @@ class Field:
         ------
         FieldError
             for NaN or infinite samples, an empty array, a wrong rank, a type that is not real,
-            a spacing that is not positive, or an origin that is not finite.
+            a masked array, a spacing that is not positive, an origin that is not finite, or either
+            of a wrong length.
 
         >>> Field.of([[0, 1], [2, 3]], spacing=0.5).position([1, 1])
         array([0.5, 0.5])
@@ -86,17 +87,25 @@ class Field:
         Traceback (most recent call last):
         isoref.field.FieldError: sample (0, 1) is nan; replace or crop samples that are not finite
         """
+        # Read the samples.
+        if isinstance(values, np.ma.MaskedArray):
+            raise FieldError(
+                "a masked array has samples that do not count, and a field has none: fill it "
+                "(values.filled(number)) or crop it"
+            )
         try:
             samples = np.asarray(values)
         except ValueError as error:
             raise FieldError(f"rows of different lengths are no array: {error}") from None
         n = samples.ndim if dimension is None else dimension
         _check_samples(samples, n)
-        steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, float), (n,))
-        corner = np.zeros(n) if origin is None else np.asarray(origin, float)
+
+        # Place the lattice in space.
+        steps = _one_an_axis("spacing", 1.0 if spacing is None else spacing, n)
+        corner = _one_an_axis("origin", np.zeros(n) if origin is None else origin, n)
         if not (np.isfinite(steps).all() and (steps > 0).all()):
             raise FieldError(f"spacing {steps.tolist()} must be positive and finite on every axis")
-        if corner.shape != (n,) or not np.isfinite(corner).all():
+        if not np.isfinite(corner).all():
             raise FieldError(f"origin {corner.tolist()} must be {n} finite numbers")
         return cls(samples, tuple(steps.tolist()), tuple(corner.tolist()))
 
@@ -119,6 +128,19 @@ class Field:
         """``origin + index * spacing`` for fractional indices of shape (.., n)."""
         place: Floats = np.multiply(index, self.spacing) + np.asarray(self.origin, np.float64)
         return place
+
+
+def _one_an_axis(what: str, given: ArrayLike, n: int) -> Floats:
+    """(n,) numbers, one of them for all axes where one is given; else a FieldError."""
+    try:
+        numbers = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        raise FieldError(f"{what} {given!r} is not made of numbers") from None
+    if numbers.shape not in ((), (n,)):
+        raise FieldError(
+            f"{what} {numbers.tolist()} does not fit {n} axes; give {n} numbers, one an axis"
+        )
+    return np.broadcast_to(numbers, (n,))
 
 
 def _check_samples(samples: Array, n: int) -> None:

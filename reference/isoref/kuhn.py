@@ -149,6 +149,7 @@ def interpolate(field: Field, points: ArrayLike) -> Floats:
     >>> interpolate(Field.of([[0.0, 1.0], [2.0, 7.0]]), [[0.5, 0.25]]).tolist()
     [[2.25]]
     """
+    # Find the cell of each point, and its coordinates there.
     shape = np.asarray(field.shape)
     place = (np.asarray(points, np.float64) - field.origin) / field.spacing
     check_thickness(field.shape)
@@ -156,10 +157,14 @@ def interpolate(field: Field, points: ArrayLike) -> Floats:
         raise FieldError("a point lies outside the lattice; interpolate inside it only")
     a = np.minimum(np.floor(place).astype(np.int64), shape - 2)
     y = place - a
+
+    # Sort the coordinates: they fall by the barycentric ones.
     J = np.argsort(-y, axis=1, kind="stable")
     falling = np.take_along_axis(y, J, axis=1)
     ones, zeros = np.ones((len(y), 1)), np.zeros((len(y), 1))
     barycentric = -np.diff(np.hstack([ones, falling, zeros]), axis=1)
+
+    # Climb from the lowest corner, one axis at a time, and average.
     step = strides(field.shape)
     vertex = np.cumsum(np.hstack([(a @ step)[:, None], step[J]]), axis=1)
     phi = field.values.reshape(field.components, -1).astype(np.float64)
@@ -188,7 +193,7 @@ def gradient(simplex_values: ArrayLike, J: ArrayLike, spacing: ArrayLike) -> Flo
 
 
 def check_thickness(shape: tuple[int, ...]) -> None:
-    """Nothing, where a lattice has cells; else a `FieldError` names the axis that is too thin."""
+    """Raise FieldError, with the axis that is too thin, unless a lattice has cells."""
     for axis, N in enumerate(shape):
         if N < 2:
             raise FieldError(

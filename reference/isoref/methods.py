@@ -16,17 +16,21 @@ from isoref import (
     dual_marching_cubes,
     label_cubes,
     lorensen_cline,
+    marching_tetrahedra,
     marching_vesta,
     surface_nets,
     trilinear_cubes,
 )
 from isoref.dual import DualRule
 from isoref.fast import dual
+from isoref.fast import marching_tetrahedra as tetrahedra
 from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
-from isoref.field import Field
+from isoref.field import Field, check_isovalue
+from isoref.marching_tetrahedra import Split
 from isoref.mesh import Mesh
 from isoref.rule import Rule
+from isoref.sweep import check_volume
 from isoref.vesta import SIX_SURFACES
 
 Method = Callable[[Field, float], Mesh]
@@ -52,6 +56,26 @@ DUAL_RULES: dict[str, DualRule] = {
 }
 METHODS |= {name: partial(dual.surface, rule) for name, rule in DUAL_RULES.items()}
 METHODS |= {"label-cubes": label_cubes.surface}
+
+SPLITS: dict[str, Split] = {
+    f"marching-tetrahedra-{split.name}": split
+    for split in (marching_tetrahedra.KUHN, marching_tetrahedra.FIVE)
+}
+METHODS |= {name: partial(tetrahedra.surface, split) for name, split in SPLITS.items()}
+
+
+def _simplicial(field: Field, isovalue: float) -> Mesh:
+    """Min's surface of a volume, empty where the lattice has no cells."""
+    from isoref import simplicial  # Here, since SciPy takes a second to import.
+
+    check_volume(field)
+    if min(field.shape) < 2:
+        check_isovalue(isovalue)
+        return Mesh.empty(3, 2)
+    return simplicial.extract(field, isovalue)
+
+
+METHODS |= {"simplicial": _simplicial}
 
 
 def extract(

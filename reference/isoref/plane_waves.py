@@ -127,7 +127,7 @@ def _superpose(first: Complex, second: Complex, third: Complex) -> Complex:
 
 
 def _check(shape: Shape, k: float, count: int) -> None:
-    """Nothing, where waves can be sampled; else raises and says why not."""
+    """Raise FieldError unless waves can be sampled."""
     if len(shape) != 3 or min(shape) < 1:
         raise FieldError(f"shape {tuple(shape)} must be three positive numbers of samples")
     if not (math.isfinite(k) and k > 0):

@@ -85,6 +85,7 @@ def normals(gradients: ArrayLike, kept: Sequence[int]) -> Floats:
     >>> normals([[1.0, 2.0, 3.0]], (0, 1, 2)).tolist()
     [1.0, 2.0, 3.0]
     """
+    # Check that the projection is a hypersurface.
     g = np.asarray(gradients, np.float64)
     m, n = g.shape[-2:]
     check_axes(n, kept)
@@ -93,6 +94,8 @@ def normals(gradients: ArrayLike, kept: Sequence[int]) -> Floats:
             f"{len(kept)} axes kept of {n} with {m} components; {n - m + 1} make the projection "
             "a hypersurface"
         )
+
+    # Expand by the cofactors of the dropped axes.
     dropped = g[..., dropped_axes(n, kept)]
     shown = g[..., list(kept)]
     total = np.zeros_like(shown[..., 0, :])
@@ -125,6 +128,6 @@ def dropped_axes(n: int, kept: Sequence[int]) -> list[int]:
 
 
 def check_axes(n: int, kept: Sequence[int]) -> None:
-    """Nothing, where `kept` are distinct axes of R^n; else raises a `FieldError`."""
+    """Raise FieldError unless `kept` are distinct axes of R^n."""
     if len(set(kept)) != len(kept) or not all(0 <= axis < n for axis in kept):
         raise FieldError(f"axes {tuple(kept)} are not distinct axes of R^{n}")

@@ -4,6 +4,10 @@ Two surfaces of N triangles each take N^2 tests to intersect. But marching cubes
 into one voxel, and does so voxel by voxel. A running count of triangles therefore tells which
 triangles a voxel holds, and only triangles of one voxel need be tested: about sqrt(N) tests.
 
+The tests are made in rational arithmetic, so that no sign is ever in doubt: a float is a fraction.
+`isoref.fast.surface_intersection` is the vectorised twin: the same segments up to rounding, in the
+same order, with the same nodes up to their names.
+
 Glossary
 --------
 T, t_j      a surface's triangles, in the order of the voxels
@@ -11,7 +15,8 @@ I_T(k)      number of triangles in the voxels up to and including k
 L, I_L      line segments, one a pair of triangles that meet; their running count
 m           end of a segment: 0 its start, 1 its end
 U           the segments already linked to another
-e           a mesh edge; node: where an edge of one surface meets a triangle of the other
+e           a mesh edge, from corner e of its triangle to the next
+node        where an edge of one surface meets a triangle, or an edge, of the other
 entry, exit where the line common to two planes enters and leaves a triangle, seen along D
 D           N_1 x N_2, the direction of that line; N_i the normals, from high to low
 
@@ -42,30 +47,32 @@ References
     grids, sections 4 and 5, tables 2 and 3, eq. 1, appendix A.
 [2] P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation
     predicates, J. Graphics Tools 8, 2003: order on the common line by signs of tetrahedra.
-[3] J. R. Shewchuk, Adaptive precision floating-point arithmetic, 1997: the bound of `orientation`.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections import defaultdict
+from collections import Counter, defaultdict
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from isoref import asymptotic_decider
 from isoref.curves import Curve, check_pair, curves_through, follow
-from isoref.fast.sweep import sweep_with_cells
-from isoref.field import Booleans, Field, Floats, Integers
+from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule
+from isoref.sweep import sweep_with_cells
 
 Point = tuple[Fraction, Fraction, Fraction]
+Triangle = Sequence[Point]
 
-
-# --- enhanced marching cubes (section 4.1) -----------------------------------------------------
+# --------------------------------------------------------------------------------------------
+# Section 4.1: enhanced marching cubes
+# --------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,14 +110,17 @@ def enhanced_marching_cubes(
 ) -> IndexedSurface:
     """The rule's surface with its triangle index I_T.
 
-    The index is kept as one voxel number a triangle, in order, from which I_T follows: "it could
-    be implemented by hash-tables in order to reduce the memory requirement" (section 9).
+    Parameters and errors are those of `isoref.sweep.sweep`. The index is kept as one voxel number
+    a triangle, in order, from which I_T follows: "it could be implemented by hash-tables in order
+    to reduce the memory requirement" (section 9).
     """
     mesh, cells = sweep_with_cells(rule, field, isovalue)
     return IndexedSurface(mesh, cells, tuple(max(n - 1, 0) for n in field.shape))
 
 
-# --- surface intersection (section 4.2) --------------------------------------------------------
+# --------------------------------------------------------------------------------------------
+# Section 4.2: surface intersection
+# --------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +145,21 @@ class Segments:
         return np.asarray(np.searchsorted(self.cells, k, side="right"), np.int64)
 
 
-def candidate_pairs(first: IndexedSurface, second: IndexedSurface) -> tuple[Integers, Integers]:
-    """Indices (i, j) of all pairs of triangles in one voxel, in the order of table 2.
+class End(NamedTuple):
+    """The end of a segment, and what makes it.
+
+    place : on both triangles
+    edge_a, edge_b : the edge of the first and of the second triangle that passes here; -1 where
+        it is the inside of the triangle
+    """
+
+    place: Point
+    edge_a: int
+    edge_b: int
+
+
+def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segments:
+    """SURFACEISECT (table 2): the segments in which triangles of one voxel meet.
 
     Raises
     ------
@@ -145,235 +168,123 @@ def candidate_pairs(first: IndexedSurface, second: IndexedSurface) -> tuple[Inte
     """
     if first.shape != second.shape:
         raise ValueError(f"surfaces of {first.shape} and {second.shape} voxels share no voxels")
-    partners = second.count_in(first.cells)
-    i = np.repeat(np.arange(len(first.cells)), partners)
-    start = second.count_through(first.cells - 1) - (np.cumsum(partners) - partners)
-    return i, np.arange(len(i)) + np.repeat(start, partners)
+    a, b = exact_triangles(first.mesh), exact_triangles(second.mesh)
+    tests = 0
+    ends: list[list[list[float]]] = []
+    nodes: list[list[int]] = []
+    cells: list[int] = []
+    number: dict[Hashable, int] = {}
+    for k in range(int(np.prod(first.shape))):
+        # Test the triangles of this voxel, each of one surface with each of the other.
+        for i in range(int(first.count_through(k - 1)), int(first.count_through(k))):
+            for j in range(int(second.count_through(k - 1)), int(second.count_through(k))):
+                tests += 1
+                meeting = triangle_intersection(a[i], b[j])
+                if meeting is None:
+                    continue
 
-
-def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segments:
-    """SURFACEISECT (table 2): the segments in which triangles of one voxel meet."""
-    i, j = candidate_pairs(first, second)
-    tests = len(i)
-    a, b = (s.mesh.vertices[s.mesh.simplices[t]] for s, t in ((first, i), (second, j)))
-    # Keep pairs of which each triangle has corners on both sides of the other's plane.
-    signs_a = signs_beside(b, a)
-    alive = np.flatnonzero(_mixed(signs_a > 0))
-    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
-    signs_b = signs_beside(a, b)
-    alive = np.flatnonzero(_mixed(signs_b > 0))
-    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
-    signs_b = signs_b[alive]
-    entry_a, exit_a = _passages(signs_a > 0)
-    exit_b, entry_b = _passages(signs_b > 0)
-
-    # Order entries and exits along D; keep pairs whose intervals overlap.
-    def order(edge_a: Integers, edge_b: Integers) -> Integers:
-        return orientation(_edge(a, edge_a), _edge(b, edge_b))
-
-    alive = np.flatnonzero((order(entry_a, exit_b) > 0) & (order(exit_a, entry_b) < 0))
-    starts, stops = order(entry_a, entry_b), -order(exit_a, exit_b)
-    sides = (_Side(first, i, a, b, signs_a), _Side(second, j, b, a, signs_b))
-    ends, keys = zip(
-        *(
-            _nodes(sides, edge_a, edge_b, later)
-            for edge_a, edge_b, later in ((entry_a, entry_b, starts), (exit_a, exit_b, stops))
-        ),
-        strict=True,
-    )
-    _, nodes = np.unique(np.stack(keys, axis=1)[alive].reshape(-1, 4), axis=0, return_inverse=True)
+                # Note the segment, and name its nodes by what makes them.
+                names = [
+                    (edge_name(a[i], end.edge_a, i), edge_name(b[j], end.edge_b, j))
+                    for end in meeting
+                ]
+                nodes.append([number.setdefault(name, len(number)) for name in names])
+                ends.append([[float(x) for x in end.place] for end in meeting])
+                cells.append(k)
     return Segments(
-        np.stack(ends, axis=1)[alive],
-        nodes.reshape(-1, 2).astype(np.int64),
-        first.cells[i[alive]],
+        np.array(ends, np.float64).reshape(-1, 2, 3),
+        np.array(nodes, np.int64).reshape(-1, 2),
+        np.array(cells, np.int64),
         tests,
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """One surface's triangles of the pairs, with corners `own`, and those they meet.
-
-    `signs` says where each corner is: in front of the other's plane, in it, or behind.
-    """
-
-    surface: IndexedSurface
-    triangles: Integers
-    own: Floats
-    other: Floats
-    signs: Integers
-
-    def name(self, edge: Integers) -> Integers:
-        """(P, 2) the two ends of edge `edge` of each triangle, by name, ascending."""
-        ends = np.stack([edge, (edge + 1) % 3], axis=1)
-        return np.sort(np.take_along_axis(self.corners, ends, axis=1), axis=1)
-
-    @cached_property
-    def corners(self) -> Integers:
-        """(P, 3) names of the corners; vertices at one place, on different edges, share one."""
-        used, inverse = np.unique(
-            self.surface.mesh.simplices[self.triangles].reshape(-1), return_inverse=True
-        )
-        # Adding zero makes negative zeros positive.
-        places = self.surface.mesh.vertices[used] + 0.0
-        _, names = np.unique(places, axis=0, return_inverse=True)
-        return np.asarray(names.reshape(-1)[inverse.reshape(-1)].reshape(-1, 3))
-
-    def crossing(self, edge: Integers) -> tuple[Floats, Booleans]:
-        """(P, 3) where the edge meets the plane of the other, and whether a corner stands there."""
-        ends = _edge(self.own, edge)
-        normal = np.cross(self.other[:, 1] - self.other[:, 0], self.other[:, 2] - self.other[:, 0])
-        level = np.take_along_axis(self.signs, np.stack([edge, (edge + 1) % 3], axis=1), axis=1)
-        height = np.einsum("pij,pj->pi", ends - self.other[:, :1], normal)
-        # Start from the nearer end, so that an end exactly in the plane is met exactly.
-        near = np.where(level == 0, -1.0, np.abs(height)).argmin(axis=1)
-        rows = np.arange(len(near))
-        in_plane = level[rows, near] == 0
-        low, high = np.where(in_plane, 0, height[rows, near]), height[rows, 1 - near]
-        t = np.divide(low, low - high, out=np.zeros_like(low), where=low != high)
-        p, q = ends[rows, near], ends[rows, 1 - near]
-        return p + np.clip(t, 0, 1)[:, None] * (q - p), in_plane
+def exact_triangles(mesh: Mesh) -> list[list[Point]]:
+    """The corners of each triangle, exactly."""
+    points = [rational(vertex) for vertex in mesh.vertices]
+    return [[points[v] for v in triangle] for triangle in mesh.simplices.tolist()]
 
 
-def _nodes(
-    sides: tuple[_Side, _Side], edge_a: Integers, edge_b: Integers, later: Integers
-) -> tuple[Floats, Integers]:
-    """Places (P, 3) and keys (P, 4) of the ends of segments.
-
-    `later` is positive where the edge of the first surface makes the end, negative where that of
-    the second does, and 0 where both meet there. A key is the edge of the first surface, or its
-    triangle and -1, then the same of the second.
-    """
-    keys, places, corners = [], [], []
-    for side, edge, is_node in zip(sides, (edge_a, edge_b), (later >= 0, later <= 0), strict=True):
-        triangle = np.stack([side.triangles, np.full(len(edge), -1)], axis=1)
-        keys.append(np.where(is_node[:, None], side.name(edge), triangle))
-        place, corner = side.crossing(edge)
-        places.append(place)
-        corners.append(corner)
-    of_first = (later > 0) | ((later == 0) & ~corners[1])
-    return np.where(of_first[:, None], *places), np.concatenate(keys, axis=1)
+def edge_name(triangle: Triangle, e: int, number: int) -> Hashable:
+    """A name for edge e that all triangles at the edge share; for e = -1 the triangle's number."""
+    return number if e < 0 else frozenset((triangle[e], triangle[(e + 1) % 3]))
 
 
-def _mixed(front: Booleans) -> Booleans:
-    """Which triangles have corners in front of and behind a plane."""
-    return np.asarray(front.any(axis=1) & ~front.all(axis=1))
-
-
-def _passages(front: Booleans) -> tuple[Integers, Integers]:
-    """The edges (corner e to e + 1) that go from behind to the front, and back."""
-    ahead = np.roll(front, -1, axis=1)
-    return (~front & ahead).argmax(axis=1), (front & ~ahead).argmax(axis=1)
-
-
-def _edge(corners: Floats, edge: Integers) -> Floats:
-    """(P, 2, 3) the ends of edge `edge` of each triangle (P, 3, 3)."""
-    which = np.stack([edge, (edge + 1) % 3], axis=1)
-    return np.take_along_axis(corners, which[..., None], axis=1)
-
-
-def signs_beside(triangles: Floats, points: Floats) -> Integers:
-    """(P, 3) for each of three points (P, 3, 3): 1 in front of a triangle's plane, 0 in it, -1."""
-    signs = [
-        orientation(triangles[:, :2], np.stack([triangles[:, 2], points[:, c]], axis=1))
-        for c in range(3)
-    ]
-    return np.stack(signs, axis=1)
-
-
-def orientation(first: Floats, second: Floats) -> Integers:
-    """(P,) exact sign of ``det[b - a, c - a, d - a]``, a, b of `first`, c, d of `second`.
-
-    Each is (P, 2, 3). Where floating-point arithmetic cannot vouch for the sign [3], rational
-    arithmetic finds it.
-    """
-    a, b, c, d = first[:, 0], first[:, 1], second[:, 0], second[:, 1]
-    det, error = _determinant(b - a, c - a, d - a)
-    sign = np.sign(det).astype(np.int64)
-    unsure = np.flatnonzero((np.abs(det) <= error) & (error > 0))
-    equal = np.zeros(len(unsure), bool)
-    for p, q in itertools.combinations((a, b, c, d), 2):
-        equal |= (p[unsure] == q[unsure]).all(axis=1)
-    sign[unsure[equal]] = 0
-    for row in unsure[~equal].tolist():
-        exact = plain_orientation(*(rational(p[row]) for p in (a, b, c, d)))
-        sign[row] = (exact > 0) - (exact < 0)
-    return sign
-
-
-def _determinant(u: Floats, v: Floats, w: Floats) -> tuple[Floats, Floats]:
-    """``u . (v x w)`` and a bound of its error that allows for rounded differences too."""
-    det, size = np.zeros(len(u)), np.zeros(len(u))
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        one, two = v[:, y] * w[:, z], v[:, z] * w[:, y]
-        det += u[:, x] * (one - two)
-        size += np.abs(u[:, x]) * (np.abs(one) + np.abs(two))
-    return det, 8 * np.finfo(np.float64).eps * size
-
-
-# --- the plain twin ------------------------------------------------------------------------------
-
-
-def plain_surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Floats:
-    """(S, 2, 3) the segments L of table 2, by its loops, in rational arithmetic; to be read."""
-    corners_1, corners_2 = (
-        [[rational(s.mesh.vertices[v]) for v in row] for row in s.mesh.simplices]
-        for s in (first, second)
-    )
-    segments = []
-    for k in range(int(np.prod(first.shape))):
-        if first.count_in(k) == 0 or second.count_in(k) == 0:
-            continue
-        for i in range(int(first.count_through(k - 1)), int(first.count_through(k))):
-            for j in range(int(second.count_through(k - 1)), int(second.count_through(k))):
-                meeting = triangle_intersection(corners_1[i], corners_2[j])
-                if meeting is not None:
-                    segments.append([[float(x) for x in end] for end in meeting])
-    return np.array(segments).reshape(-1, 2, 3)
-
-
-def triangle_intersection(a: list[Point], b: list[Point]) -> tuple[Point, Point] | None:
+def triangle_intersection(a: Triangle, b: Triangle) -> tuple[End, End] | None:
     """Where two triangles meet: the segment from start to end along D, or None.
 
-    Points in a triangle's plane count as behind it; see the module's text for what follows.
+    The line common to both planes passes each triangle from an entry to an exit; the segment is
+    what both passages share. Points in a triangle's plane count as behind it; see the module's
+    text for what follows.
 
     >>> flat = [rational(p) for p in ((0, 0, 0), (4, 0, 0), (0, 4, 0))]
     >>> wall = [rational(p) for p in ((1, 1, -1), (1, 2, 1), (1, 1, 1))]
-    >>> [[float(x) for x in end] for end in triangle_intersection(flat, wall) or ()]
+    >>> [[float(x) for x in end.place] for end in triangle_intersection(flat, wall) or ()]
     [[1.0, 1.0, 0.0], [1.0, 1.5, 0.0]]
     >>> triangle_intersection(flat, flat) is None
     True
     """
-    span_a, span_b = _span(a, b), _span(b, a)
+    # Find the edges by which each triangle passes the plane of the other.
+    span_a, span_b = passages(a, b), passages(b, a)
     if span_a is None or span_b is None:
         return None
-    direction = _cross(_normal(a), _normal(b))
+
+    # Order the passages along D: the first triangle is entered where it passes to the front of
+    # the second, and the second is left where it passes to the front of the first.
     (entry_a, exit_a), (exit_b, entry_b) = span_a, span_b
-    start = max(entry_a, entry_b, key=lambda p: _dot(p, direction))
-    stop = min(exit_a, exit_b, key=lambda p: _dot(p, direction))
-    apart = _dot(entry_a, direction) >= _dot(exit_b, direction)
-    apart |= _dot(entry_b, direction) >= _dot(exit_a, direction)
-    return None if apart else (start, stop)
+    D = _cross(_normal(a), _normal(b))
+    in_a, out_a, in_b, out_b = (
+        _dot(passage.place, D) for passage in (entry_a, exit_a, entry_b, exit_b)
+    )
+    if in_a >= out_b or in_b >= out_a:
+        return None
+
+    # Take the later entry and the earlier exit; both, where they coincide.
+    start = End(
+        (entry_a if in_a >= in_b else entry_b).place,
+        entry_a.edge if in_a >= in_b else -1,
+        entry_b.edge if in_b >= in_a else -1,
+    )
+    stop = End(
+        (exit_a if out_a <= out_b else exit_b).place,
+        exit_a.edge if out_a <= out_b else -1,
+        exit_b.edge if out_b <= out_a else -1,
+    )
+    return start, stop
 
 
-def _span(own: list[Point], other: list[Point]) -> tuple[Point, Point] | None:
-    """Where the boundary of `own` passes the plane of `other`: to its front, then to its back."""
+class Passage(NamedTuple):
+    """Where an edge of a triangle passes a plane."""
+
+    place: Point
+    edge: int
+
+
+def passages(own: Triangle, other: Triangle) -> tuple[Passage, Passage] | None:
+    """Where the boundary of `own` passes the plane of `other`: to its front, then to its back.
+
+    None where all of `own` is on one side; in the plane is behind it.
+    """
+    # See which corners are in front of the plane.
     x, y, z = other
-    height = [plain_orientation(x, y, z, p) for p in own]
-    passages: dict[bool, Point] = {}
+    height = [orientation(x, y, z, p) for p in own]
+
+    # Find the edges between front and back, and where they pass.
+    found: dict[bool, Passage] = {}
     for e in range(3):
         low, high = height[e], height[(e + 1) % 3]
         if (low > 0) != (high > 0):
             p, q, t = own[e], own[(e + 1) % 3], low / (low - high)
-            passages[high > 0] = (
+            place = (
                 p[0] + t * (q[0] - p[0]),
                 p[1] + t * (q[1] - p[1]),
                 p[2] + t * (q[2] - p[2]),
             )
-    return (passages[True], passages[False]) if passages else None
+            found[high > 0] = Passage(place, e)
+    return (found[True], found[False]) if found else None
 
 
-def plain_orientation(a: Point, b: Point, c: Point, d: Point) -> Fraction:
+def orientation(a: Point, b: Point, c: Point, d: Point) -> Fraction:
     """``det[b - a, c - a, d - a]``, exactly: positive where d is in front of triangle abc."""
     return _dot(_cross(_minus(b, a), _minus(c, a)), _minus(d, a))
 
@@ -399,12 +310,14 @@ def _dot(u: Point, v: Point) -> Fraction:
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-def _normal(triangle: list[Point]) -> Point:
+def _normal(triangle: Triangle) -> Point:
     """The right-hand normal, not scaled."""
     return _cross(_minus(triangle[1], triangle[0]), _minus(triangle[2], triangle[0]))
 
 
-# --- joining by distance (section 5) -------------------------------------------------------------
+# --------------------------------------------------------------------------------------------
+# Section 5: joining by distance
+# --------------------------------------------------------------------------------------------
 
 
 def combine_line_segments(
@@ -519,7 +432,9 @@ class _Neighbourhood:
         return found
 
 
-# --- joining by identity -------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------
+# Joining by identity
+# --------------------------------------------------------------------------------------------
 
 
 def join_segments(segments: Segments) -> list[Curve]:
@@ -539,38 +454,39 @@ def join_segments(segments: Segments) -> list[Curve]:
 
 def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
     """The indices of the segments along each curve, and whether it is closed."""
-    ends = segments.ends + 0.0  # no negative zeros
-    _, inverse = np.unique(ends.reshape(-1, 3), axis=0, return_inverse=True)
-    places = inverse.reshape(-1, 2)
-    crossing = np.flatnonzero(~_run_both_ways(places))
-    successor = np.full(len(crossing), -1)
-    for names in (segments.nodes, places):
-        _link(names[crossing], successor)
-    return [(crossing[chain], closed) for chain, closed in follow(successor)]
+    # Name the ends twice: by what makes them and by where they are, negative zeros as zeros.
+    nodes = [tuple(pair) for pair in segments.nodes.tolist()]
+    places = [(tuple(start), tuple(stop)) for start, stop in (segments.ends + 0.0).tolist()]
+
+    # Leave out the segments that run both ways equally often: contact, not crossing.
+    runs = Counter(places)
+    crossing = [
+        s
+        for s, (start, stop) in enumerate(places)
+        if start == stop or runs[start, stop] != runs[stop, start]
+    ]
+
+    # Link each free end to the first free start of the same name.
+    successor = dict.fromkeys(crossing, -1)
+    for names in (nodes, places):
+        taken = set(successor.values())
+        waiting = defaultdict(list)
+        for s in crossing:
+            if s not in taken:
+                waiting[names[s][0]].append(s)
+        for s in crossing:
+            if successor[s] < 0 and waiting[names[s][1]]:
+                successor[s] = waiting[names[s][1]].pop(0)
+
+    # Follow the links.
+    row = {s: n for n, s in enumerate(crossing)}
+    after = np.array([row.get(successor[s], -1) for s in crossing], np.int64)
+    return [(np.array(crossing, np.int64)[chain], closed) for chain, closed in follow(after)]
 
 
-def _run_both_ways(places: Integers) -> Booleans:
-    """Which segments (S, 2) have as many others of the same ends run against them as with them."""
-    heading = np.sign(places[:, 1] - places[:, 0])
-    _, pair = np.unique(np.sort(places, axis=1), axis=0, return_inverse=True)
-    balance = np.bincount(pair.reshape(-1), weights=heading)
-    return np.asarray((balance[pair.reshape(-1)] == 0) & (heading != 0))
-
-
-def _link(nodes: Integers, successor: Integers) -> None:
-    """`successor` filled in: free ends linked to free starts on the same node, in order."""
-    free_end = np.flatnonzero(successor < 0)
-    free_start = np.setdiff1d(np.arange(len(successor)), successor)
-    waiting = defaultdict(list)
-    for segment in free_start.tolist():
-        waiting[int(nodes[segment, 0])].append(segment)
-    for segment in free_end.tolist():
-        candidates = waiting[int(nodes[segment, 1])]
-        if candidates:
-            successor[segment] = candidates.pop(0)
-
-
-# --- the whole way --------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------
+# The whole way
+# --------------------------------------------------------------------------------------------
 
 
 def intersection_curves(

@@ -25,12 +25,12 @@ from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_grid import active_cells
 from isograde.variants import pose
 from isoref import trilinear_cubes
-from isoref.cube import EDGES, FACE_CORNERS, ambiguous_faces
-from isoref.cycles import Triangle, cycles
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
 from isoref.mesh import Mesh
-from isoref.rule import Rule, Tile
-from isoref.sweep import sweep
+from isoref.rule import Rule
+
+from tests.isograde.families import collared
 
 CLAIMS: dict[str, Claim] = {
     claim.id: claim for claim in (*LEGAL, *COUNTING, *FREQUENCIES, *SYMMETRY, *TOPOLOGY, *TRILINEAR)
@@ -39,39 +39,6 @@ UPPER, LOWER = (1, 3, 5), (0, 2, 4)
 
 
 # --- extractors that lie in faces ---------------------------------------------------------------
-
-
-def collar(signs: int, separated: int, face: int) -> list[Triangle]:
-    """The quad between the two segments that these decisions put on a face, as two triangles."""
-    on = {e for e, ends in enumerate(EDGES) if set(ends) <= set(FACE_CORNERS[face])}
-    arcs = [
-        (p, q)
-        for polygon in cycles(signs, separated)
-        for p, q in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
-        if {p, q} <= on
-    ]
-    (a, b), (c, d) = arcs
-    return [(b, a, d), (b, d, c)]
-
-
-def collared(faces: tuple[int, ...], careful: bool = True) -> Rule:
-    """Trilinear cubes with collars on these faces, where that is right; else wherever it can be."""
-
-    def tile(signs: int, decisions: int) -> Tile:
-        if decisions & ~trilinear_cubes.FACE_BITS:
-            return trilinear_cubes.tile(signs, decisions)
-        now, more = decisions, []
-        for face in ambiguous_faces(signs):
-            flipped = now ^ 1 << face
-            grown = len(cycles(signs, flipped)) - len(cycles(signs, now))
-            if face in faces and (grown == 1 or not careful):
-                now = flipped
-                more.append(face)
-        plain = trilinear_cubes.tile(signs, now)
-        quads = [triangle for face in more for triangle in collar(signs, now, face)]
-        return Tile((*plain.triangles, *quads), plain.interior)
-
-    return Rule("collared", tile, trilinear_cubes.decisions, trilinear_cubes.asks, 8)
 
 
 ABOVE, BELOW, BOTH = collared(UPPER), collared(LOWER), collared((*UPPER, *LOWER))
@@ -389,3 +356,51 @@ def test_without_flat_triangles_there_is_nothing_to_read() -> None:
     found = drawn(values, sweep(trilinear_cubes.RULE, Field.of(values), 0.0))
     assert len(found.readings.lying) == 0
     assert found.settled is found
+
+
+# --- the border ---------------------------------------------------------------------------------
+
+
+def on_the_border() -> tuple[Floats, Mesh, Mesh]:
+    """One cell with an ambiguous face, right as it is; and the same with a quad in that face."""
+    values = np.full((2, 2, 2), -1.0)
+    values[1] = [[2, -1], [-1, 2]]
+    plain = sweep(trilinear_cubes.RULE, Field.of(values), 0.0)
+    nodes = np.flatnonzero(plain.vertices[:, 0] == 1)
+    a, b, c, d = nodes[np.lexsort(plain.vertices[nodes, 1:].T)]
+    quad = np.array([[a, b, c], [b, c, d]])
+    return values, plain, Mesh.of(plain.vertices, np.concatenate([plain.simplices, quad]))
+
+
+def test_a_quad_in_the_border_belongs_to_the_cell() -> None:
+    """Nothing is beyond the border that it could belong to, so a cell that is right is no more."""
+    values, plain, more = on_the_border()
+    assert faults(values, plain) == [Fault.NONE]
+    assert faults(values, more) == [Fault.FACE]
+    assert verdict("topology.bilinear", values, plain) is Verdict.PASS
+    assert verdict("topology.bilinear", values, more) is Verdict.FAIL
+
+
+def test_where_the_mesh_goes_on_a_quad_in_the_border_may_belong_there() -> None:
+    """As the answer in a larger grid, cut off at the border of the smaller one."""
+    values, _, more = on_the_border()
+    lattice = Lattice.of(Field.of(values), 0.0)
+    found = traces(lattice, more.vertices, more.simplices, more=True)
+    assert found.separated[0, 1]
+    assert found.joined[0, 1]
+
+
+def test_a_cap_in_the_border_is_not_the_cells() -> None:
+    """Triangles to an inside sample of the border's face close the volume; the cell is right."""
+    values, plain, _ = on_the_border()
+    joined = drawn(values, plain).joined[0, 1]
+    assert joined
+    nodes = np.flatnonzero(plain.vertices[:, 0] == 1)
+    near = nodes[(plain.vertices[nodes, 1:].sum(axis=1) < 1)]
+    top = len(plain.vertices)
+    ends = np.concatenate([plain.vertices, [[1, 0, 0], [1, 1, 1]]])
+    far = np.setdiff1d(nodes, near)
+    cap = np.array([[*near, top], [*far, top + 1], [*near, far[0]], [near[0], *far]])
+    capped = Mesh.of(ends, np.concatenate([plain.simplices, cap]))
+    found = drawn(values, capped)
+    assert found.joined[0, 1]

@@ -3,6 +3,7 @@
 import mcubes
 import numpy as np
 import pytest
+from isograde.oracles.flat import WALL
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import CORNERS, FACES, NODES, legal, polygons, segments_on, traces
 from isoref.field import Field
@@ -91,7 +92,7 @@ def test_a_flat_triangle_belongs_to_either_side() -> None:
     found = traces(lattice, places, np.array([[0, 1, 2]]))
     assert found.code[0] == 0
     assert found.lying.triangle.tolist() == [0]
-    assert found.lying.below.tolist() == [-2]
+    assert found.lying.below.tolist() == [WALL]
     assert found.lying.above.tolist() == [0]
 
 

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from isoref import Field, FieldError, Mesh
+from isoref.fast.simplicial import extract, section_of_field
 from isoref.projection import dropped_axes, normals, project, side
-from isoref.simplicial import extract, gradients, section_of_field
+from isoref.simplicial import gradients
 
 PROJECTIONS = [
     (2, 1, (0, 1)),

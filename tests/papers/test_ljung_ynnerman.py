@@ -6,7 +6,8 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from isoref.surface_intersection import Segments, enhanced_marching_cubes, surface_intersection
+from isoref.fast.surface_intersection import enhanced_marching_cubes, surface_intersection
+from isoref.surface_intersection import Segments
 
 from tests.papers.loading import importer
 

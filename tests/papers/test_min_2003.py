@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.oracles import simplices as oracle
-from isoref.dyadic import dyadic_tree
-from isoref.simplicial import extract, to_mesh
+from isoref.fast.dyadic import dyadic_tree
+from isoref.fast.simplicial import extract
+from isoref.simplicial import to_mesh
 
 from tests.papers.loading import importer
 

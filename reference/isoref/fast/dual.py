@@ -66,7 +66,7 @@ class _Cells:
     @classmethod
     def of(cls, rule: DualRule, inside: Booleans) -> _Cells:
         """The cells with corners on both sides."""
-        signs = _signs(inside)
+        signs = cell_signs(inside)
         index = np.nonzero((signs != 0) & (signs != 255))
         keys = signs[index].astype(np.int64)
         keys |= _turned(rule, signs, index).astype(np.int64) << 8
@@ -81,8 +81,12 @@ class _Cells:
         return cls(points, np.flatnonzero(occurs), rows[keys], number)
 
 
-def _signs(inside: Booleans) -> Array:
-    """The signs of every cell, (N1-1, N2-1, N3-1)."""
+def cell_signs(inside: Booleans) -> Array:
+    """The signs of every cell, (N1-1, N2-1, N3-1) bytes.
+
+    >>> cell_signs(np.arange(8).reshape(2, 2, 2) == 4).tolist()
+    [[[2]]]
+    """
     signs: Array = inside.astype(np.uint8)
     for axis in range(3):
         low = (slice(None),) * axis + (slice(None, -1),)

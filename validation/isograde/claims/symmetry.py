@@ -226,7 +226,7 @@ def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
 def _same_traces(trial: Trial, other: Complex) -> str:
     """How vertices on lattice edges, or segments on faces of cells, differ."""
     lattice = lattice_of(trial)
-    theirs, ours = traces(lattice, other.points, other.simplices), traces_of(trial)
+    theirs, ours = traces(lattice, other.points, other.simplices, more=True), traces_of(trial)
     judged = remembered(trial, "judged faces", lambda: _judged_faces(trial, ours))
     row, other_row, lost = _matched(ours, theirs)
     if lost:

@@ -127,8 +127,14 @@ def excused_samples(lattice: Lattice) -> Booleans:
     if lattice.declared.vertices == "own":
         steps = int(np.ceil(lattice.declared.reach))
         for side in lattice.sides:
-            high, low = _spread_out(side, steps), _spread_out(~side, steps)
-            excused |= high & low
+            # Beyond a closed end there is nothing inside.
+            wide = side
+            for axis, end in enumerate(lattice.ends):
+                rim = [(steps * (a == axis),) * 2 for a in range(lattice.n)]
+                mode = {"closed": "constant", "periodic": "wrap"}.get(end.end, "edge")
+                wide = np.pad(wide, rim, mode=mode)  # type: ignore[call-overload]
+            near = _spread_out(wide, steps) & _spread_out(~wide, steps)
+            excused |= near[tuple(slice(steps, size + steps) for size in side.shape)]
     return excused
 
 

@@ -23,7 +23,8 @@ Nothing is guessed: faces with more than `MOST` flat triangles, and joined cells
 Glossary
 --------
 row         a cell, by its number in a list of cells; -1 for a cell that is not in the list, in
-            which nothing is drawn, `OUTSIDE` for what is beyond the border of the lattice
+            which nothing is drawn; beyond the border of the lattice `WALL`, where nothing can be,
+            or `OUTSIDE`, where there may be more of the surface, such as a cap
 bits        the six bits of a trace on one face, see `isograde.oracles.traces`
 mask        an assignment: bit b is set where the face's triangle b belongs to the cell above
 above, below  the cells on the higher and on the lower side of a face along its axis
@@ -48,7 +49,7 @@ from isograde.oracles.halfedges import components_of
 
 MOST = 8
 LIMIT = 4096
-OUTSIDE = -2
+OUTSIDE, WALL = -2, -3
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,11 +316,12 @@ def read(lying: Lying, drawn: Integers, legal: Integers) -> Readings:
         bits = lying.bits[lying.start[faces][:, None] + np.arange(k)]
         traces = both_sides(bits, own[faces, 0], own[faces, 1], beyond[faces])
         low, high = ((trace[..., None] == wanted[faces][:, None]) for trace in traces)
-        good = low & high
+        good = low & high & _allowed(lying, faces, k)[..., None]
         for n, face in enumerate(faces.tolist()):
             kept = np.flatnonzero(good[n].any(axis=1))
             if not len(kept):
                 score = low[n].any(axis=1).astype(int) + high[n].any(axis=1)
+                score = np.where(_allowed(lying, faces[[n]], k)[0], score, -1)
                 kept = np.array([score.argmax()])
             masks[face], states[face] = kept, good[n][kept]
     return Readings(lying, tuple(masks), tuple(states), np.asarray(lying.count > MOST))
@@ -336,5 +338,12 @@ def _at_faces(
         known = row >= 0
         own[known, side] = drawn[row[known], face[known]]
         wanted[known] = legal[row[known], face[known]]
-        beyond[:, side] = row == OUTSIDE
+        beyond[:, side] = (row == OUTSIDE) | (row == WALL)
     return own, wanted, beyond
+
+
+def _allowed(lying: Lying, faces: Integers, k: int) -> Booleans:
+    """(m, 2 ** k) the mask gives nothing to a wall."""
+    masks = np.arange(1 << k)
+    up, down = lying.above[faces] != WALL, lying.below[faces] != WALL
+    return np.asarray((up[:, None] | (masks == 0)) & (down[:, None] | (masks == masks[-1])))

@@ -303,13 +303,14 @@ def _with_flat(
 
 
 def _listed(place: Integers, index: Integers) -> Integers:
-    """The row in `index` of each cell at `place`, or -1."""
-    both = np.concatenate([index, place])
-    _, name = np.unique(both, axis=0, return_inverse=True)
-    name = name.reshape(-1)
-    row = np.full(name.max(initial=0) + 1, -1)
-    row[name[: len(index)]] = np.arange(len(index))
-    return row[name[len(index) :]]
+    """The row in `index`, which is in order, of each cell at `place`, or -1."""
+    if not len(index):
+        return np.full(len(place), -1)
+    shape = tuple(np.maximum(place.max(axis=0, initial=0), index.max(axis=0)) + 1)
+    listed = np.ravel_multi_index(tuple(index.T), shape)
+    wanted = np.ravel_multi_index(tuple(place.T), shape)
+    row = np.minimum(np.searchsorted(listed, wanted), len(listed) - 1)
+    return np.where(listed[row] == wanted, row, -1)
 
 
 def _wanted(readings: Readings, here: Integers, truths: Truths) -> Integers:

@@ -34,7 +34,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from numpy.typing import NDArray
 
-from isograde.oracles.flat import OUTSIDE, Lying, Readings, read
+from isograde.oracles.flat import OUTSIDE, WALL, Lying, Readings, read
 from isograde.oracles.lattice import Lattice
 
 Place = tuple[int, int, int]
@@ -304,8 +304,12 @@ def signs_of(lattice: Lattice) -> NDArray[np.uint8]:
     return signs
 
 
-def traces(lattice: Lattice, places: Floats, faces: Integers) -> Traces:
-    """The trace of every active cell; triangles outside the volume are not looked at."""
+def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = False) -> Traces:
+    """The trace of every active cell; triangles outside the volume are not looked at.
+
+    more : the mesh goes on beyond the border, so that a triangle that lies in the border may
+        belong to what is there. Else it belongs to the cell, unless the border's face is capped.
+    """
     shape = np.maximum(np.subtract(lattice.shape, 1), 0)
     signs = signs_of(lattice)
     active = np.flatnonzero((signs != 0) & (signs != 255))
@@ -323,6 +327,9 @@ def traces(lattice: Lattice, places: Floats, faces: Integers) -> Traces:
     if len(busy):
         starts = (np.cumsum(count) - count)[busy]
         total[busy] = np.bitwise_xor.reduceat(code[proper][order], starts)
+    lying = _lying(cell, corner, code, extent, shape)
+    if len(lying) and not more:
+        lying = _walled(lying, places[faces[lying.triangle]], lattice.tolerance)
     return Traces(
         cell,
         place,
@@ -332,7 +339,7 @@ def traces(lattice: Lattice, places: Floats, faces: Integers) -> Traces:
         count,
         _extra_vertices(lattice, places, faces, cell, shape),
         np.flatnonzero((extent > 1).any(axis=1)),
-        _lying(cell, corner, code, extent, shape),
+        lying,
         np.zeros(len(cell), bool),
     )
 
@@ -402,6 +409,22 @@ def _lying(
     bits = code[flat[order]] >> (12 * axis[order]) & 63
     start = np.append(np.flatnonzero(new), len(order))
     return Lying(flat[order], bits, start, axis[first], below[first], above[first])
+
+
+def _walled(lying: Lying, corners: Floats, tolerance: float) -> Lying:
+    """The flat triangles, with a wall beyond faces of the border that no cap lies in.
+
+    A cap covers the inside samples of a face, so that some of its triangles have one for a corner.
+
+    corners : (t, 3, 3) of the flat triangles
+    """
+    gap = np.abs(corners - np.rint(corners)).max(axis=2).min(axis=1)
+    at_sample = np.asarray(gap <= tolerance)
+    capped = np.logical_or.reduceat(at_sample, lying.start[:-1])
+    below, above = (
+        np.where((row == OUTSIDE) & ~capped, WALL, row) for row in (lying.below, lying.above)
+    )
+    return replace(lying, below=below, above=above)
 
 
 def _rows(cell: Integers, place: Integers, shape: Integers) -> Integers:
