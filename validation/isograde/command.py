@@ -1,7 +1,7 @@
 """The command `isograde`.
 
-Exit status: 0 every claim the implementation makes holds, 1 some fail, 2 wrong use, 3 the
-implementation did not start, 4 nothing ran.
+Exit status: 0 every promise that could be tested holds, 1 one is broken, 2 wrong use, 3 the
+implementation did not start, 4 nothing was judged that could have failed.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ app = typer.Typer(
     rich_markup_mode="rich",
     help="Grade an isosurface extractor: what it guarantees, and the smallest case that breaks it.",
     epilog="Start with [bold]isograde check python:mine:extract[/bold], then [bold]isograde grade "
-    "python:mine:extract[/bold]. Exit status: 0 every claim holds, 1 some fail, 2 wrong use, "
-    "3 the implementation did not start, 4 nothing ran.",
+    "python:mine:extract[/bold]. Exit status: 0 every promise that could be tested holds, 1 one is "
+    "broken, 2 wrong use, 3 the implementation did not start, 4 nothing was judged that could have "
+    "failed.",
 )
 
 
@@ -36,7 +37,7 @@ class Listing(StrEnum):
     """What `isograde list` lists."""
 
     CLAIMS = "claims"
-    FIELDS = "fields"
+    CASES = "cases"
     IMPLEMENTATIONS = "implementations"
     LEVELS = "levels"
 
@@ -81,6 +82,9 @@ def grade(
         list[Format] | None,
         typer.Option("--format", help="Beside the JSON lines; by default all of them."),
     ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="A promised claim without evidence fails too.")
+    ] = False,
 ) -> None:
     """Grade an implementation and write the report."""
     if everything == (implementation is not None):
@@ -93,24 +97,28 @@ def grade(
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:
-        grading.grade_all(options, out, kinds)
+        grading.grade_all(options, out, kinds, strict)
     else:
-        grading.grade_one(implementation, options, out, kinds)
+        grading.grade_one(implementation, options, out, kinds, strict)
 
 
 @app.command(name="check")
-def check_(implementation: Spec) -> None:
-    """Try the adapter in a second or two, with advice on each mistake."""
-    from isograde.check import check
+def check_(
+    implementation: Spec,
+    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 10.0,
+) -> None:
+    """Try the adapter in a few seconds, with advice on each mistake and a declaration to paste."""
+    from isograde.commands import checking
 
-    advice = check(implementation)
-    for verdict, sentence in advice:
-        colour = "green" if verdict is Verdict.PASS else "red"
-        say(f"[{colour}]{verdict.value:>11}[/]  {escape(sentence)}")
-    if all(verdict is Verdict.PASS for verdict, _ in advice):
-        return
-    started = len(advice) > 1
-    raise typer.Exit(Exit.FAILS if started else Exit.NOT_STARTED)
+    checked = checking.check(implementation, timeout)
+    for verdict, sentence in checked.advice:
+        colour = {Verdict.PASS: "green", Verdict.SKIP: "dim"}.get(verdict, "red")
+        say(f"[{colour}]{checking.SAID.get(verdict, verdict.value):>11}[/]  {escape(sentence)}")
+    if checked.paste:
+        say(f"\nThe declaration to paste (isograde explain declaration):\n{escape(checked.paste)}")
+    if not checked.started:
+        raise typer.Exit(Exit.NOT_STARTED)
+    raise typer.Exit(Exit.HOLDS if checked.right else Exit.FAILS)
 
 
 @app.command(name="export")
@@ -124,15 +132,19 @@ def export_(
     variants: Annotated[
         bool, typer.Option("--variants", help="Every way a case is posed, not only the plain one.")
     ] = False,
-    discipline: Annotated[
-        str, typer.Option(help="What shall be made: surfaces, contours, curves or simplices.")
-    ] = "surfaces",
+    kinds: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--kind", help="surfaces (unless said), contours, curves, or n,m such as 4,2."
+        ),
+    ] = None,
 ) -> None:
     """Write the fields as files, to be judged later as dir:DIR."""
     from isograde.commands import exporting
     from isograde.runner import Options
 
-    exporting.export(folder, Options(seed, full, tuple(only or ())), variants, discipline)
+    asked = Options(seed, full, tuple(only or ()))
+    exporting.export(folder, asked, variants, kinds or ["surfaces"])
 
 
 @app.command(name="frequencies")
@@ -166,12 +178,12 @@ def explain(
 def list_(
     what: Annotated[Listing, typer.Argument(help="What to list.")],
 ) -> None:
-    """List claims, fields, implementations or levels."""
+    """List claims, cases, implementations or levels."""
     from isograde.commands import listings
 
     table = {
         Listing.CLAIMS: listings.claims,
-        Listing.FIELDS: listings.fields,
+        Listing.CASES: listings.cases,
         Listing.IMPLEMENTATIONS: listings.implementations,
         Listing.LEVELS: listings.levels,
     }[what]

@@ -9,7 +9,7 @@ them.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,21 +17,34 @@ from typing import Any
 import numpy as np
 
 from isograde.adapters import open_adapter
-from isograde.disciplines.registry import READY_MADE
-from isograde.model import Adapter, AdapterError, Declaration, Outcome, Request, Trial, Verdict
+from isograde.declaration import Declaration
+from isograde.model import (
+    BAD,
+    CONTOURS,
+    CURVES,
+    SURFACES,
+    Adapter,
+    AdapterError,
+    Kind,
+    Outcome,
+    Request,
+    Trial,
+    Verdict,
+)
 from isograde.report import lines, reading, record, shown
-from isograde.runner import BAD, Evidence, Judged, Options, Task, Worker, plan, run
+from isograde.runner import Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import SMALL, shrink
 
 # A second process costs a start; below so many cases it does not pay.
 CASES_PER_JOB = 60
-# Show the answer of one of these beside a failed one, where the claim holds of it.
-CONTRAST = {
-    "surfaces": ("isoref:asymptotic-decider", "isoref:trilinear-cubes"),
-    "contours": ("contours:diconex-mixed",),
-    "curves": ("curves:marching-faces",),
-    "simplices": ("simplices:reference",),
+# Show the answer of one of these beside a failed one, where the claim holds of it; for any other
+# kind, and for simplices, that of the last.
+CONTRAST: Mapping[Kind, tuple[str, ...]] = {
+    SURFACES: ("isoref:asymptotic-decider", "isoref:trilinear-cubes"),
+    CONTOURS: ("isoref:diconex-mixed",),
+    CURVES: ("isoref:marching-faces",),
 }
+SIMPLICIAL = "isoref:simplicial"
 
 Watch = Callable[[int, int, record.Tally], None]
 
@@ -43,6 +56,11 @@ class Smallest:
     judged: Judged
     samples: int
     of: str = ""
+
+    @property
+    def size(self) -> tuple[bool, int]:
+        """What makes a case small: general position first."""
+        return (not self.judged.general, self.samples)
 
 
 def grade(
@@ -141,7 +159,7 @@ class Writer:
         """For each claim an answer to its failed case of which it holds, where one was found."""
         found: dict[str, Outcome] = {}
         declared = self.worker.declaration
-        for spec in CONTRAST[declared.discipline]:
+        for spec in _references(declared, {judged.kind for judged in judgements.values()}):
             asked = {name: one for name, one in judgements.items() if name not in found}
             answers = contrast(spec, list(asked.values()), options, declared)
             for name, judged in asked.items():
@@ -153,7 +171,11 @@ class Writer:
     def _holds(self, name: str, judged: Judged, answer: Outcome) -> bool:
         """Whether the claim holds of this answer; one that compares variants is not asked."""
         claim, evidence = self.worker.claims[name], judged.evidence
-        if claim.variants or evidence is None or (claim.needs_mesh and answer.mesh is None):
+        if (
+            claim.variants
+            or evidence is None
+            or (claim.needs_mesh and answer.mesh_of(judged.kind) is None)
+        ):
             return False
         case, declared = self.worker.cases[judged.case], self.worker.declaration
         trial = Trial(case, evidence.field, declared, {"plain": answer})
@@ -161,11 +183,23 @@ class Writer:
 
 
 def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
-    """`smallest` knows this case for each claim that failed on it and on no smaller one."""
+    """`smallest` knows this case for each claim that failed on it and on no smaller one.
+
+    A case in general position is shown before one with ties: it is the one that ends a level.
+    """
     for claim, finding in judged.findings.items():
         known = smallest.get(claim)
-        if finding.verdict in BAD and (known is None or samples < known.samples):
+        size = (not judged.general, samples)
+        if finding.verdict in BAD and (known is None or size < known.size):
             smallest[claim] = Smallest(judged, samples)
+
+
+def _references(declared: Declaration, kinds: Collection[Kind]) -> list[str]:
+    """The references to ask about these kinds: those of the same split, where it is Kuhn's."""
+    if declared.interpolant == "tetrahedra":
+        return [] if declared.split.simplices else [SIMPLICIAL]
+    specs = [spec for kind in kinds for spec in CONTRAST.get(kind, (SIMPLICIAL,))]
+    return list(dict.fromkeys(specs))
 
 
 def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
@@ -184,17 +218,17 @@ def contrast(
 ) -> dict[str, Outcome]:
     """What `spec` makes of these cases, by case; nothing where it does not start.
 
-    Ties count on the side that is declared; only for surfaces can that be another than inside.
+    Ties count on the side that is declared.
     """
     tie = declared.conventions.tie
-    if not judgements or (tie != "inside" and declared.discipline != "surfaces"):
+    if not judgements:
         return {}
-    adapter = open_adapter(READY_MADE.get(spec, spec))
+    adapter = open_adapter(spec)
     try:
-        adapter.open(options.limits)
+        takes = adapter.open(options.limits).limits
     except AdapterError:
         return {}
-    wanted = {judged.case: judged.evidence for judged in judgements}
+    wanted = {one.case: one.evidence for one in judgements if tuple(one.kind) in takes.kinds}
     try:
         return {
             case: _answer(adapter, case, evidence, tie)
@@ -209,13 +243,14 @@ def _answer(adapter: Adapter, case: str, evidence: Evidence, tie: str) -> Outcom
     """The adapter's answer, whose ties are inside, as it is where ties are on the side `tie`.
 
     A value is above the isovalue where the negated value is not at least the negated isovalue: the
-    same surface, with its sides exchanged.
+    same level set, with the sides of each component exchanged.
     """
-    field, isovalue = evidence.field, evidence.isovalue
+    field, isovalues = evidence.field, evidence.isovalues
     if tie == "inside":
-        return adapter.run(Request(case, "plain", field, isovalue))
+        return adapter.run(Request(case, "plain", field, isovalues))
     negated = replace(field, values=-np.asarray(field.values, np.float64))
-    outcome = adapter.run(Request(case, "plain", negated, -isovalue))
-    if outcome.faces is None:
+    outcome = adapter.run(Request(case, "plain", negated, tuple(-one for one in isovalues)))
+    rows = outcome.simplices
+    if rows is None or rows.ndim != 2 or rows.shape[1] < 2 or len(isovalues) % 2 == 0:
         return outcome
-    return replace(outcome, faces=outcome.faces[:, ::-1])
+    return replace(outcome, simplices=rows[:, [*range(rows.shape[1] - 2), -1, -2]])

@@ -10,15 +10,16 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.commands.console import Exit, console, errors, say, stop
-from isograde.report import comparison, record, words
+from isograde.report import comparison, lines, reading, words
+from isograde.report.headline import by_level, headline
 
 
-def _read(path: Path) -> record.Report:
+def _read(path: Path) -> reading.Report:
     """The report in a file or in a folder."""
     place = path / "report.jsonl" if path.is_dir() else path
     try:
-        found = record.read(place)
-    except record.ReportError as error:
+        found = reading.read(place)
+    except lines.ReportError as error:
         stop(Exit.WRONG_USE, str(error))
     if found.footer is None:
         errors.print(f"[yellow]{escape(str(place))} was cut off: it has no footer[/]")
@@ -57,6 +58,15 @@ def compare(files: list[Path], out: Path | None) -> None:
             stop(Exit.WRONG_USE, f"{out} cannot be written: {error.strerror}")
         say(f"comparison: [bold]{escape(str(out))}[/]")
         return
+    for title, order in comparison.ORDERS.items():
+        say(f"[bold]{title}[/]")
+        for one in sorted(found, key=order):
+            say(f"  {escape(headline(one))}")
+    console.print(_table(sorted(found, key=by_level)))
+
+
+def _table(found: list[reading.Report]) -> Table:
+    """Claims down, reports across."""
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("claim", no_wrap=True)
     for one in found:
@@ -67,4 +77,4 @@ def compare(files: list[Path], out: Path | None) -> None:
         marks = [comparison.mark(one, claim) for one in found]
         cells = [f"[{colour.get(s, 'dim')}]{share or s}[/]" for s, share in marks]
         table.add_row(claim, *cells)
-    console.print(table)
+    return table

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,15 +14,17 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
-from isograde.commands.console import Exit, console, errors, say, stop
-from isograde.disciplines.registry import READY_MADE as OTHERS
+from isograde.commands.console import Exit, console, errors, say, status_of, stop
 from isograde.grading import grade, unfinished
-from isograde.model import AdapterError
-from isograde.report import comparison, record, words
-from isograde.runner import BAD, NothingToRun, Options
+from isograde.model import BAD, AdapterError
+from isograde.report import comparison, reading, record, words
+from isograde.report.headline import choices, headline
+from isograde.runner import NothingToRun, Options
 
 
-def grade_one(spec: str, options: Options, out: Path, kinds: list[str]) -> None:
+def grade_one(
+    spec: str, options: Options, out: Path, kinds: list[str], strict: bool = False
+) -> None:
     """One implementation graded, its report written and told."""
     path = out / "report.jsonl"
     with _faults_told(path):
@@ -31,10 +33,10 @@ def grade_one(spec: str, options: Options, out: Path, kinds: list[str]) -> None:
     _tell(result)
     shown = pages[0] if pages else out / "report.jsonl"
     say(f"\nreport: [bold]{escape(str(shown))}[/]")
-    raise typer.Exit(Exit.FAILS if result.broken else Exit.HOLDS)
+    raise typer.Exit(status_of(result, strict))
 
 
-def _grade(spec: str, options: Options, path: Path) -> record.Report:
+def _grade(spec: str, options: Options, path: Path) -> reading.Report:
     """The report of one implementation, with a bar while it is made."""
     with _progress() as bar:
         task = bar.add_task(spec, total=None, bad="")
@@ -81,11 +83,11 @@ def _progress() -> Progress:
     return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
 
 
-def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
+def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = False) -> None:
     """Every ready-made implementation graded, a page each, and a comparison."""
-    done: dict[str, record.Report] = {}
+    done: dict[str, reading.Report] = {}
     absent: dict[str, str] = {}
-    for spec in [*ready_made_names(), *OTHERS]:
+    for spec in ready_made_names():
         stem = spec.replace(":", "-")
         path = out / f"{stem}.jsonl.gz"
         try:
@@ -97,9 +99,9 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
         except NothingToRun:
-            continue  # What was asked for belongs to another discipline.
+            continue  # What was asked for is not of its kinds.
         reports.write(done[stem], out, stem, kinds)
-        say(f"{escape(spec):40} {words.reached(done[stem])}")
+        say(escape(headline(done[stem])))
     if not done:
         stop(Exit.NOT_STARTED if absent else Exit.NO_EVIDENCE, "no implementation was graded")
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
@@ -108,10 +110,10 @@ def grade_all(options: Options, out: Path, kinds: list[str]) -> None:
     place = reports.write_whole(out / "comparison.html", page)
     reports.write_whole(out / "comparison.md", comparison.markdown_table(found))
     say(f"\ncomparison: [bold]{escape(str(place))}[/]")
-    raise typer.Exit(Exit.FAILS if any(one.broken for one in found) else Exit.HOLDS)
+    raise typer.Exit(worst(status_of(one, strict) for one in found))
 
 
-def _grade_quietly(spec: str, options: Options, path: Path) -> record.Report:
+def _grade_quietly(spec: str, options: Options, path: Path) -> reading.Report:
     """The report of one implementation of many. Raises `AdapterError`."""
     with _progress() as bar:
         task = bar.add_task(spec, total=None, bad="")
@@ -124,25 +126,29 @@ def _grade_quietly(spec: str, options: Options, path: Path) -> record.Report:
         )
 
 
-def _tell(result: record.Report) -> None:
-    """Print the ladder and what failed."""
-    say(f"[bold]{escape(result.name)}[/]: {words.reached(result)}")
+def worst(statuses: Iterable[Exit]) -> Exit:
+    """FAILS where one fails, else NO_EVIDENCE where one has none, else HOLDS."""
+    found = set(statuses)
+    return next((one for one in (Exit.FAILS, Exit.NO_EVIDENCE) if one in found), Exit.HOLDS)
+
+
+def _tell(result: reading.Report) -> None:
+    """Print the headline, the ladder, and what failed."""
+    say(f"[bold]{escape(headline(result))}[/]")
+    say(escape(words.verdict(result)))
+    for told in filter(None, [words.right(result), *(f"It {one}." for one in choices(result))]):
+        say(escape(told))
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    colours = {"pass": "green", "fail": "red", "not judged": "dim"}
-    for rung in reversed(result.rungs):
-        held = sum(summary.state == "pass" for summary in rung.summaries)
-        count = f"{held} of {len(rung.summaries)}" if rung.summaries else ""
-        colour = "yellow" if rung.state == "pass" and rung.withheld else colours[rung.state]
-        without = words.withheld(len(rung.withheld)) if rung.withheld else ""
-        table.add_row(
-            str(rung.level), rung.name, f"[{colour}]{words.rung(rung)}[/]", count, without
-        )
+    colours = {"pass": "green", "fail": "red"}
+    for rung in reversed(result.rungs if not result.partial else []):
+        colour = colours.get(rung.state, "dim")
+        table.add_row(str(rung.level), rung.name, f"[{colour}]{escape(words.rung(rung))}[/]")
     console.print(table)
     for summary in result.failures:
         failure = summary.failure
         assert failure is not None
-        colour = "red" if summary.claim["held"] else "dim"
+        colour = "red" if summary.promised else "dim"
         say(
-            f"[{colour}]{escape(summary.id)}[/]: {summary.bad} of {summary.judged} cases, smallest "
+            f"[{colour}]{escape(summary.id)}[/]: {words.evidence(summary)}, smallest "
             f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
         )

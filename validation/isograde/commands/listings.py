@@ -11,12 +11,18 @@ from importlib import import_module
 from rich.markup import escape
 from rich.table import Table
 
-from isograde.adapters.ready_made import READY_MADE
-from isograde.cases import volumes
+from isograde.adapters.registry import READY_MADE
+from isograde.cases import all_cases, volumes
+from isograde.claims import CLAIMS
 from isograde.commands.console import Exit, console, stop
-from isograde.disciplines.registry import ALL_CLAIMS, DISCIPLINES
-from isograde.disciplines.registry import READY_MADE as OTHERS
-from isograde.model import LEVELS, Case, Claim
+from isograde.model import LEVELS, Case, Claim, Kind
+from isograde.report.record import families_of, first_line
+from isograde.report.words import kinds as kind_words
+
+# Kinds by which it is told of which a claim can be said.
+ASKED = tuple(Kind(n, m) for n in range(1, 6) for m in range(1, n + 1))
+# List so many kinds that have no word of their own.
+LISTED = 3
 
 
 def _table(*columns: str) -> Table:
@@ -29,34 +35,47 @@ def _table(*columns: str) -> Table:
 
 def claims() -> Table:
     """A row a claim."""
-    table = _table("claim", "level", "rule")
-    for claim in ALL_CLAIMS.values():
-        table.add_row(claim.id, "" if claim.level is None else str(claim.level), escape(claim.rule))
+    table = _table("claim", "level", "kinds", "rule")
+    for claim in CLAIMS.values():
+        level = "" if claim.level is None else str(claim.level)
+        table.add_row(claim.id, level, kinds_of(claim), escape(claim.rule))
     return table
 
 
-def fields() -> Table:
+def kinds_of(claim: Claim) -> str:
+    """The kinds of which a claim can be said, in words."""
+    told = [kind for kind in ASKED if claim.kinds(kind)]
+    if len(told) == len(ASKED):
+        return "every kind"
+    named = [kind for kind in told if not str(kind).startswith("(")]
+    others = [kind for kind in told if kind not in named]
+    shown = kind_words([*named, *others[:LISTED]])
+    return f"{shown} and others" if len(others) > LISTED else shown
+
+
+def cases() -> Table:
     """A row a case, or a row for many that differ in a number only; then what is not here."""
-    table = _table("case", "samples", "isovalue", "runs")
-    for discipline in DISCIPLINES.values():
-        cases = discipline.cases(0)
-        for group, members in _grouped(cases).items():
-            table.add_row(*_row(group, [cases[name] for name in members]))
+    table = _table("case", "kind", "samples", "isovalues", "runs")
+    every = all_cases(0)
+    for group, members in _grouped(every).items():
+        table.add_row(*_row(group, [every[name] for name in members]))
     for volume in volumes.REGISTRY.values():
         if volumes.find(volume) is None:
             told = f"absent; {volume.url or volume.source}"
-            table.add_row(f"real/{volume.name}", str(volume.samples), "", told)
+            table.add_row(f"real/{volume.name}", "surfaces", str(volume.samples), "", told)
     return table
 
 
-def _row(group: str, cases: list[Case]) -> tuple[str, str, str, str]:
-    """The name, size, isovalue and occasion of a group of cases."""
-    rare = sum("full" in case.tags for case in cases)
-    runs = {0: "always", len(cases): "with --full"}.get(
-        rare, f"{len(cases) - rare} always, {rare} with --full"
+def _row(group: str, members: list[Case]) -> tuple[str, ...]:
+    """The name, kind, size, isovalues and occasion of a group of cases."""
+    rare = sum("full" in case.tags for case in members)
+    runs = {0: "always", len(members): "with --full"}.get(
+        rare, f"{len(members) - rare} always, {rare} with --full"
     )
-    name = group if len(cases) == 1 else f"{group} ({len(cases)} cases)"
-    return name, str(max(case.samples for case in cases)), f"{cases[0].isovalue:g}", runs
+    name = group if len(members) == 1 else f"{group} ({len(members)} cases)"
+    first = members[0]
+    levels = ", ".join(f"{level:g}" for level in first.isovalues)
+    return name, str(first.kind), str(max(case.samples for case in members)), levels, runs
 
 
 def _grouped(names: Iterable[str]) -> dict[str, list[str]]:
@@ -70,12 +89,14 @@ def _grouped(names: Iterable[str]) -> dict[str, list[str]]:
 
 def implementations() -> Table:
     """A row a ready-made name."""
-    table = _table("implementation", "package", "level", "notes")
+    table = _table("implementation", "package", "kinds", "promises", "notes")
     for name, made in READY_MADE.items():
+        declared = made.declaration()
+        kinds = [Kind(*kind) for kind in declared.limits.kinds]
+        shown = kind_words(kinds) if len(kinds) <= LISTED else f"{len(kinds)} kinds"
+        level = f"{declared.level} {LEVELS[declared.level][0]}"
         package = f"{made.distribution} {made.version}"
-        table.add_row(name, package, str(made.level), escape(made.notes))
-    for name in OTHERS:
-        table.add_row(name, "", "", f"discipline {name.split(':')[0]}")
+        table.add_row(name, package, shown, level, escape(declared.notes))
     return table
 
 
@@ -87,12 +108,12 @@ def levels() -> Table:
     return table
 
 
-# How to write an implementation: the adapter's own words.
+# How to write an implementation: the modules' own words.
 GUIDES = {
     "python": "isograde.adapters.loading",
     "exec": "isograde.adapters.exec",
     "dir": "isograde.adapters.directory",
-    "declaration": "isograde.adapters.declaring",
+    "declaration": "isograde.declaration",
 }
 
 
@@ -101,9 +122,9 @@ def explain(name: str) -> None:
     if name in GUIDES:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return
-    found = [c for known, c in ALL_CLAIMS.items() if name in (known, known.split(".")[0])]
+    found = [c for known, c in CLAIMS.items() if name in (known, known.split(".")[0])]
     if not found:
-        close = difflib.get_close_matches(name, ALL_CLAIMS, n=3, cutoff=0.4)
+        close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES], n=3, cutoff=0.4)
         hint = f"did you mean {', '.join(close)}?" if close else "see `isograde list claims`"
         stop(Exit.WRONG_USE, f"no claim {name!r}; {hint}")
     for one in found:
@@ -121,25 +142,32 @@ def _explain(claim: Claim) -> None:
         level = f"{claim.level}, {LEVELS[claim.level][0]}: {LEVELS[claim.level][1]}"
     table.add_row("level", level)
     table.add_row("source", escape(claim.source))
-    table.add_row("vertices", f"count as one {_weld(claim)}")
+    kinds = kinds_of(claim)
+    if kinds.endswith("others"):
+        kinds += f" ({first_line(claim.kinds)})"
+    table.add_row("said of", f"{kinds}; {families_of(claim)}")
     tagged = f"cases tagged {', '.join(sorted(claim.tags))}"
     table.add_row("judged on", tagged if claim.tags else "every case")
     if claim.variants:
         table.add_row("posed as", ", ".join(_families(claim.variants)))
-    if claim.unless:
-        table.add_row("unless", f"declared without {', '.join(sorted(claim.unless))}")
-    if told := inspect.getdoc(claim.judge):
-        table.add_row("passes", escape(told))
+    table.add_row("promised", _promised(claim))
+    table.add_row("passes", escape(first_line(claim.judge)))
     table.add_row("try it", f"isograde grade IMPLEMENTATION --only {claim.id}")
     console.print(table)
+
+
+def _promised(claim: Claim) -> str:
+    """By whom the claim is promised."""
+    if claim.firm:
+        return "always; it cannot be taken out"
+    if not claim.promised:
+        return f'only by who declares "promised": ["{claim.id}"]'
+    if claim.level is None:
+        return "unless declared otherwise"
+    return f"by who declares level {claim.level} or more (2 unless said), unless declared otherwise"
 
 
 def _families(names: Iterable[str]) -> list[str]:
     """The names, those of one family (before the slash) counted under it."""
     counts = Counter(name.split("/")[0] for name in names)
     return [name if count == 1 else f"{name}/* ({count})" for name, count in counts.items()]
-
-
-def _weld(claim: Claim) -> str:
-    """When two vertices count as one."""
-    return "where they share an index" if claim.weld == "as given" else "where they coincide"

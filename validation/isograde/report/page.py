@@ -69,8 +69,17 @@ def page(report: Report) -> str:
             groups=_groups(report),
             cases=_families_of_cases(report),
             conventions=CONVENTIONS,
+            does=done_for(report.spec),
         )
     )
+
+
+def done_for(spec: str) -> tuple[str, ...]:
+    """What the adapter of a ready-made name does for its library."""
+    from isograde.adapters.registry import READY_MADE
+
+    ready = READY_MADE.get(spec)
+    return () if ready is None else ready.does
 
 
 def _groups(report: Report) -> dict[str, list[Summary]]:

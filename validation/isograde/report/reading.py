@@ -44,6 +44,7 @@ class Failure:
     detail: str
     numbers: Mapping[str, Any]
     of: str = ""
+    tied: bool = False
 
 
 @dataclass
@@ -231,7 +232,7 @@ class Report:
                 if finding is None:
                     summary.passed_of.add(kind)
                 else:
-                    self._explain(summary, result["case"], finding)
+                    self._explain(summary, result, finding)
         for name, record in self.evidence.items():
             found, samples = record["finding"], int(np.prod(record["shape"]))
             summaries[name].failure = Failure(
@@ -239,15 +240,17 @@ class Report:
             )
         return summaries
 
-    def _explain(self, summary: Summary, case: str, finding: JSON) -> None:
-        """The summary knows why a finding is no pass."""
+    def _explain(self, summary: Summary, result: JSON, finding: JSON) -> None:
+        """The summary knows why a finding is no pass; general position comes before ties."""
         if finding["verdict"] not in BAD:
             summary.reasons[finding["detail"]] += 1
             return
-        samples = self.cases[case]["samples"]
-        if summary.failure is None or samples < summary.failure.samples:
+        samples, tied = self.cases[result["case"]]["samples"], not result["general"]
+        known = summary.failure
+        if known is None or (tied, samples) < (known.tied, known.samples):
             numbers = finding.get("numbers", {})
-            summary.failure = Failure(case, samples, finding["detail"], numbers)
+            found = Failure(result["case"], samples, finding["detail"], numbers, "", tied)
+            summary.failure = found
 
     @cached_property
     def top(self) -> int:
