@@ -78,10 +78,15 @@ BILINEAR = "topology.bilinear"
 def headline(report: Report) -> str:
     """The line: name, level, what is short of the next, ties, scans, what was not judged."""
     title = " ".join(f"{report.name} {report.declaration['version']}".split())
+    return f"{title} - {standing(report)}"
+
+
+def standing(report: Report) -> str:
+    """The headline without the name."""
     if report.partial:
-        return f"{title} - part of the cases"
+        return "part of the cases"
     said = (level, short, with_ties, scans, unjudged)
-    return " - ".join([title, *(part for tell in said if (part := tell(report)))])
+    return " - ".join(part for tell in said if (part := tell(report)))
 
 
 def level(report: Report) -> str:

@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from isograde.model import LEVELS
 from isograde.report import words
-from isograde.report.headline import choices, headline
+from isograde.report.headline import choices, headline, standing
 from isograde.report.lines import JSON
 from isograde.report.picture import SHOWN_BEYOND, picture
 from isograde.report.reading import CONVENTIONS, Report, Summary
@@ -64,6 +64,7 @@ def page(report: Report) -> str:
         .render(
             report=report,
             headline=headline(report),
+            standing=standing(report),
             choices=choices(report),
             failures=failures,
             groups=_groups(report),

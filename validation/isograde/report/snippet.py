@@ -75,6 +75,18 @@ for facet, count in zip(vertices[facets], uses):
         wrong.append(f"{count} simplices meet at {facet.tolist()}")
 """
 )
+SHOW_SHEETS = """
+# Round a vertex the simplices hang together by the facets that hold it: there is one sheet.
+for vertex in np.unique(simplices):
+    left = [set(row) for row in simplices.tolist() if vertex in row]
+    sheet = [left.pop()]
+    for one in sheet:
+        near = [other for other in left if len(one & other) == len(one) - 1]
+        left = [other for other in left if other not in near]
+        sheet += near
+    if left:
+        wrong.append(f"several sheets meet at {vertices[vertex].tolist()}")
+"""
 SHOW_TURNED = """
 # Two simplices that share a facet give it opposite orientations: the signs add up to zero.
 total, uses = {}, {}
@@ -166,16 +178,58 @@ def snippet(report: Report, summary: Summary) -> str | None:
     if len(record.get("posed", {}).get("values", [])) > 2 * PRINTED:
         return None
     n, m = record["kind"]
-    imports = (
-        ["import numpy as np"]
-        if m == 1
-        else ["from inspect import signature\n", "import numpy as np"]
-    )
-    lines = [*imports, "", "", call.strip(), "", ANSWER, ""]
+    lines = [*_begun(call.strip(), m), "", ANSWER, ""]
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
-    lines += [_samples(record, m), _asked(n, m), *_shows(record, summary, n, m)]
-    return "\n".join(lines) + "\n"
+    house = _house(report.declaration)
+    lines += [_samples(record, m), _asked(n, m), *_some(house.format(prefix=""))]
+    if "border" in SHOWS.get(summary.id, ""):
+        lines.append(_ends(report.declaration, record["shape"]))
+    return "\n".join([*lines, *_shows(record, summary, house)]) + "\n"
+
+
+def _some(text: str) -> list[str]:
+    """The text, where there is any."""
+    return [text] if text else []
+
+
+def _begun(call: str, m: int) -> list[str]:
+    """The imports, and the lines that define `extract`."""
+    first, _, rest = call.partition("\n\n\n")
+    imports = first.split("\n") if rest and "def " not in first and "=" not in first else []
+    if m > 1:
+        imports.append("from inspect import signature")
+    return [*sorted(imports), *[""] * bool(imports), "import numpy as np", "", "", rest or call]
+
+
+def _house(declaration: JSON) -> str:
+    """The lines that put vertices in world units and the array's axes, and weld soups."""
+    said, lines = declaration["conventions"], []
+    if said["axes"] == "reversed":
+        lines.append("{prefix}vertices = {prefix}vertices[:, ::-1]")
+    if said["units"] == "index":
+        lines.append("{prefix}vertices = {prefix}vertices * {prefix}spacing")
+    if declaration["mesh"] != "indexed":
+        lines += [
+            "# Its vertices count as one where they are within its tolerance.",
+            "{prefix}vertices, one = np.unique({prefix}vertices.round(6), axis=0, "
+            "return_inverse=True)",
+            "{prefix}simplices = one.reshape(-1)[{prefix}simplices]",
+        ]
+    return "\n".join(lines)
+
+
+def _ends(declaration: JSON, shape: list[int]) -> str:
+    """The line that says where the lattice ends: nowhere along an axis that is closed there."""
+    ends = declaration["domain"]
+    each = ends if len(ends) == len(shape) else ends[:1] * len(shape)
+    low = [end["inset"] if end["end"] == "open" else np.inf for end in each]
+    high = [
+        n - 1 - end["inset"] if end["end"] == "open" else np.inf
+        for n, end in zip(shape, each, strict=True)
+    ]
+    inf = "inf = np.inf\n" if np.inf in low else ""
+    return f"{inf}low, high = np.array({low}) * spacing, np.array({high}) * spacing"
 
 
 def _asked(n: int, m: int, prefix: str = "") -> str:
@@ -185,8 +239,9 @@ def _asked(n: int, m: int, prefix: str = "") -> str:
     return f"{call}\n{prefix}vertices, {prefix}simplices = arrays(answer, {n}, {n - m})"
 
 
-def _shows(record: JSON, summary: Summary, n: int, m: int) -> list[str]:
+def _shows(record: JSON, summary: Summary, house: str) -> list[str]:
     """The lines that show what is wrong."""
+    n, m = record["kind"]
     rule, detail = str(summary.claim["rule"]), record["finding"]["detail"]
     posed = record.get("posed")
     ended = ENDED.format(rule=ascii(rule)).rstrip()
@@ -196,9 +251,12 @@ def _shows(record: JSON, summary: Summary, n: int, m: int) -> list[str]:
             f"\n# The same, {' '.join(posed['meaning'].split())}.",
             _samples(posed, m, "posed_"),
             _asked(n, m, "posed_"),
+            *_some(house.format(prefix="posed_")),
             f"\nmeaning, wrong = {posed['meaning']!a}, []{same.rstrip()}{ended}",
         ]
     show = SHOWS.get(summary.id)
+    if summary.id == "topology.manifold" and "vertices" in record["finding"].get("numbers", {}):
+        show = SHOW_SHEETS
     if show is None:
         return [PRINT.format(detail=" ".join(detail.split())).rstrip()]
     return [f"\nwrong = []{show.rstrip()}{ended}"]
@@ -236,6 +294,4 @@ def _samples(record: JSON, m: int, prefix: str = "") -> str:
         f"{start}{rows}{dtype})",
         f"{prefix}isovalue, {prefix}spacing = {tuple(record['isovalues'])}, {spacing}",
     ]
-    if not prefix:
-        lines.append(f"low, high = 0, (np.array({record['shape']}) - 1) * spacing")
     return "\n".join(lines)
