@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from isograde.report.lines import JSON
-from isograde.report.reading import Report, Summary
+from isograde.report.reading import CONVENTIONS, Report, Summary
+from isograde.variants import symmetry_of
 
 # Print so many numbers at most.
 PRINTED = 400
@@ -142,23 +143,47 @@ SHOWS = {
     "structure.finite": SHOW_FINITE,
     "structure.with_measure": SHOW_FLAT,
 }
-# Two answers that should be one have as many vertices and simplices.
-SHOW_BOTH = """
-if posed_vertices.shape != vertices.shape or posed_simplices.shape != simplices.shape:
-    wrong.append(f"{len(vertices)} vertices, {len(simplices)} simplices; {meaning}, "
-                 f"{len(posed_vertices)} and {len(posed_simplices)}")
+# Two answers that should be one have as many simplices, and the same vertices.
+SHOW_COUNTS = """
+if len(posed_simplices) != len(simplices):
+    wrong.append(f"{len(simplices)} simplices; {meaning}, {len(posed_simplices)}")
 """
 SHOW_PLACES = """
-elif len(vertices):
-    order, other = (np.lexsort(v.round(6).T) for v in (vertices, posed_vertices))
-    away = abs(vertices[order] - posed_vertices[other]).max()
-    wrong += [f"a vertex moved by {away:g}, {meaning}"] if away > 1e-4 else []
+if len(posed_vertices) and len(vertices):
+    away = abs(posed_vertices[:, None] - vertices).max(axis=2).min(axis=1)
+    far = posed_vertices[away.argmax()]
+    wrong += [f"a vertex at {far.tolist()}, {meaning}"] if away.max() > 1e-4 else []
+elif len(posed_vertices) != len(vertices):
+    wrong.append(f"{len(vertices)} vertices; {meaning}, {len(posed_vertices)}")
+"""
+SHOW_SEGMENTS = """
+# Edges that lie in a face between cells, each by its two ends: they say how faces are decided.
+found = []
+for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
+    ends = (points / spacing).round(4)[rows]
+    pairs = np.concatenate([ends[:, [0, 1]], ends[:, [1, 2]], ends[:, [2, 0]]])
+    flat = ((pairs[:, 0] == pairs[:, 1]) & (pairs[:, 0] == pairs[:, 0].round())).any(axis=1)
+    found.append({tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()})
+wrong += [f"from {a} to {b} in one answer only" for a, b in sorted(found[0] ^ found[1])]
+"""
+BACK_SPACING = """
+# Back to the spacing of the field.
+posed_vertices = posed_vertices / posed_spacing * spacing
+"""
+BACK_SYMMETRY = """
+# Back to the axes of the field.
+places = posed_vertices / posed_spacing
+places = np.where({mirrored}, {last} - places, places)[:, {order}]
+posed_vertices = places * spacing
 """
 # Variants that leave every vertex where it is.
 SAME_PLACES = frozenset({
     "repeat", "scale", "shift", "fortran", "strided", "backwards", "float32", "float64", "int16",
     "uint8", "components",
 })  # fmt: skip
+SHOW_NOTHING = """
+wrong += [f"{len(posed_simplices)} simplices, {meaning}"] if len(posed_simplices) else []
+"""
 ENDED = """
 print(*wrong, sep="\\n")
 assert not wrong, {rule}
@@ -173,6 +198,8 @@ print(simplices)
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
     record, call = report.evidence.get(summary.id), calling(report.spec)
+    if summary.id in CONVENTIONS:
+        return None  # There an error is right, or none is, as it is declared.
     if record is None or call is None or not 0 < len(record["values"]) <= PRINTED:
         return None
     if len(record.get("posed", {}).get("values", [])) > 2 * PRINTED:
@@ -246,13 +273,13 @@ def _shows(record: JSON, summary: Summary, house: str) -> list[str]:
     posed = record.get("posed")
     ended = ENDED.format(rule=ascii(rule)).rstrip()
     if posed is not None and len(posed["shape"]) == n and posed["values"]:
-        same = SHOW_BOTH.rstrip() + (SHOW_PLACES if posed["variant"] in SAME_PLACES else "")
+        compared = _compared(posed, n, m).rstrip()
         return [
             f"\n# The same, {' '.join(posed['meaning'].split())}.",
             _samples(posed, m, "posed_"),
             _asked(n, m, "posed_"),
             *_some(house.format(prefix="posed_")),
-            f"\nmeaning, wrong = {posed['meaning']!a}, []{same.rstrip()}{ended}",
+            f"\nmeaning, wrong = {posed['meaning']!a}, []{compared}{ended}",
         ]
     show = SHOWS.get(summary.id)
     if summary.id == "topology.manifold" and "vertices" in record["finding"].get("numbers", {}):
@@ -260,6 +287,25 @@ def _shows(record: JSON, summary: Summary, house: str) -> list[str]:
     if show is None:
         return [PRINT.format(detail=" ".join(detail.split())).rstrip()]
     return [f"\nwrong = []{show.rstrip()}{ended}"]
+
+
+def _compared(posed: JSON, n: int, m: int) -> str:
+    """The lines that compare the answer to a variant, brought back, with the plain one."""
+    name = posed["variant"]
+    segments = SHOW_SEGMENTS if (n, m) == (3, 1) else ""
+    if name in SAME_PLACES:
+        return SHOW_COUNTS + SHOW_PLACES.lstrip("\n") + segments
+    if name in ("above", "below"):
+        return SHOW_NOTHING
+    if name == "spacing":
+        return BACK_SPACING + SHOW_PLACES + segments
+    if name.startswith("symmetry/"):
+        order, mirrored = symmetry_of(name)
+        last = (np.array(posed["shape"]) - 1).tolist()
+        back = np.argsort(order).tolist()
+        moved = BACK_SYMMETRY.format(mirrored=list(mirrored), last=last, order=back)
+        return moved + SHOW_PLACES + segments
+    return SHOW_COUNTS
 
 
 def calling(spec: str) -> str | None:
