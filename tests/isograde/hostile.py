@@ -104,6 +104,26 @@ class Contrary:
         raise RuntimeError("no array")
 
 
+class FalseMesh:
+    """A mesh in name only."""
+
+    faces = TRIANGLE[1]
+
+    @property
+    def vertices(self) -> Any:
+        """Nothing: raises."""
+        raise RuntimeError("no vertices today")
+
+
+class TrueMesh:
+    """A mesh as libraries have them."""
+
+    vertices, faces = TRIANGLE
+
+
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+
+
 sound = misbehaving(lambda _: TRIANGLE)
 exits = misbehaving(lambda _: sys.exit(3))
 exits_at_once = misbehaving(lambda _: os._exit(4))
@@ -135,3 +155,22 @@ returns_floats = misbehaving(lambda _: (TRIANGLE[0], TRIANGLE[1] * 1.0))
 returns_one_based = misbehaving(lambda _: (TRIANGLE[0], TRIANGLE[1] + 1))
 returns_huge = misbehaving(lambda _: (np.broadcast_to(0.0, (1 << 40, 3)), TRIANGLE[1]))
 returns_large = misbehaving(lambda _: (np.zeros((1 << 23, 3)), TRIANGLE[1]))
+returns_list_of_three = misbehaving(lambda _: [[0, 1, 2], [0, 1, 2], [0, 1, 2]])
+returns_junk_rows = misbehaving(lambda _: (SQUARE, [[0, 1, 2], ["a", 1, 2, 3]]))
+returns_two_corners = misbehaving(lambda _: (SQUARE, [[0, 1, 2, 3], [0, 1]]))
+returns_padding_inside = misbehaving(lambda _: (SQUARE, [[0, -1, 2, 3]]))
+returns_float_rows = misbehaving(lambda _: (SQUARE, [[0.0, 1, 2, 3], [0, 1, 2]]))
+returns_object_array = misbehaving(lambda _: (SQUARE.astype(object), TRIANGLE[1]))
+returns_beyond_integers = misbehaving(lambda _: (SQUARE, [[0, 1, 1 << 70]]))
+returns_beyond_in_rows = misbehaving(
+    lambda _: (SQUARE, [np.array([0, 1, (1 << 64) - 1], np.uint64), [0, 1, 2, 3]])
+)
+returns_flat_soup = misbehaving(lambda _: np.zeros((4, 9)))
+returns_false_mesh = misbehaving(lambda _: FalseMesh())
+returns_quads = misbehaving(lambda _: (SQUARE, np.array([[0, 1, 2, 3]])))
+returns_polygons = misbehaving(lambda _: (SQUARE, [[0, 1, 2], [0, 1, 2, 3]]))
+returns_soup = misbehaving(lambda _: SQUARE[[[0, 1, 2], [0, 2, 3]]])
+returns_object = misbehaving(lambda _: TrueMesh())
+returns_huge_indices = misbehaving(lambda _: (SQUARE, np.array([[0, 1, (1 << 64) - 1]], np.uint64)))
+returns_quads_out_of_range = misbehaving(lambda _: (SQUARE, [[0, 1, 2, 4]]))
+returns_float_quads = misbehaving(lambda _: (SQUARE, [[0.0, 1.0, 2.0, 3.0]]))

@@ -9,7 +9,8 @@ import pytest
 import trimesh
 from isograde.adapters import export, open_adapter
 from isograde.adapters.directory import fingerprint
-from isograde.model import AdapterError, Case, Limits, Outcome, Request, Status
+from isograde.adapters.protocol import check_json
+from isograde.model import CONTOURS, CURVES, AdapterError, Case, Limits, Outcome, Request, Status
 from isoref.field import Field
 from isoref.methods import METHODS
 from scipy.spatial import KDTree
@@ -24,15 +25,15 @@ def ball() -> Field:
     return Field.of(values, SPACING, ORIGIN)
 
 
-CASE = Case("made/ball", ball, 1.0, 210)
-REQUEST = Request("made/ball", "plain", ball(), 1.0)
+CASE = Case("made/ball", ball, (1.0,), 210)
+REQUEST = Request("made/ball", "plain", ball(), (1.0,))
 MESH = METHODS["asymptotic-decider"](ball(), 1.0)
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """An exported field and a variant of it."""
-    small = Request("made/ball", "as-float32", Field.of(ball().values.astype("f4")), 1.0)
+    small = Request("made/ball", "as-float32", Field.of(ball().values.astype("f4")), (1.0,))
     assert export(tmp_path / "vectors", [CASE, small]) == 2
     return tmp_path / "vectors"
 
@@ -60,10 +61,73 @@ def test_a_mesh_beside_the_field_is_its_answer(folder: Path, suffix: str) -> Non
 
 def test_a_pair_of_arrays_is_an_answer_to_the_last_bit(folder: Path) -> None:
     np.save(folder / "made/ball.vertices.npy", MESH.vertices)
+    for name in ("simplices", "faces"):
+        np.save(folder / f"made/ball.{name}.npy", MESH.simplices)
+        outcome = ask(folder)
+        assert outcome.vertices is not None
+        assert np.array_equal(outcome.vertices, MESH.vertices)
+        (folder / f"made/ball.{name}.npy").unlink()
     np.save(folder / "made/ball.faces.npy", MESH.simplices)
+    np.save(folder / "made/ball.simplices.npy", MESH.simplices)
+    assert "the same thing twice" in ask(folder).detail
+
+
+def test_json_beside_the_field_is_its_answer(folder: Path) -> None:
+    """As programs answer: rows, polygons, or names of files beside it."""
+    said = {"vertices": MESH.vertices.tolist(), "faces": MESH.simplices.tolist()}
+    (folder / "made/ball.json").write_text(json.dumps(said))
     outcome = ask(folder)
-    assert outcome.vertices is not None
+    assert outcome.vertices is not None, outcome.detail
     assert np.array_equal(outcome.vertices, MESH.vertices)
+    (folder / "made/ball.json").write_text(json.dumps({**said, "faces": [[0, 1, 2, 3], [0, 1, 2]]}))
+    polygons = ask(folder)
+    assert polygons.simplices is not None, polygons.detail
+    assert polygons.simplices.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+    for wrong in ("{", "[]", '{"vertices": []}', '{"polylines": []}'):
+        (folder / "made/ball.json").write_text(wrong)
+        assert ask(folder).status is Status.GARBAGE
+
+
+def test_every_kind_is_exported_and_answered(tmp_path: Path) -> None:
+    """Contours, curves and surfaces in one folder, each with its own answer."""
+    plane = Request("plane", "plain", Field.of(np.eye(3)), (0.5,))
+    pair = Field.of(np.arange(48.0).reshape(2, 2, 3, 4), dimension=3)
+    curves = Request("pair", "plain", pair, (3.0, 25.0))
+    assert export(tmp_path / "vectors", [plane, curves, CASE]) == 3
+    manifest = json.loads((tmp_path / "vectors/manifest.json").read_text())
+    check_json(manifest, "manifest", "the manifest")
+    assert [entry["kind"] for entry in manifest["fields"]] == [[2, 1], [3, 2], [3, 1]]
+    assert [entry["isovalues"] for entry in manifest["fields"]] == [[0.5], [3.0, 25.0], [1.0]]
+    assert {"kind", "values", "vertices", "simplices", "answer"} <= set(manifest["conventions"])
+    assert np.load(tmp_path / "vectors/pair.npy").shape == (2, 2, 3, 4)
+    lines = {"polylines": [[[0, 0], [1, 0], [1, 1], [0, 0]]]}
+    (tmp_path / "vectors/plane.json").write_text(json.dumps(lines))
+    np.save(tmp_path / "vectors/pair.vertices.npy", np.eye(3))
+    np.save(tmp_path / "vectors/pair.simplices.npy", [[0, 1], [1, 2]])
+    adapter = open_adapter(f"dir:{tmp_path / 'vectors'}")
+    assert set(adapter.open(Limits()).limits.kinds) == {(2, 1), (3, 1), (3, 2)}
+    contour, curve = (adapter.run(one) for one in (plane, curves))
+    mesh = contour.mesh_of(CONTOURS)
+    assert mesh is not None, contour.detail
+    assert mesh.simplices.tolist() == [[0, 1], [1, 2], [2, 0]]
+    assert curve.mesh_of(CURVES) is not None, curve.detail
+    assert adapter.run(REQUEST).status is Status.DECLINED
+
+
+def test_a_declaration_that_names_no_kinds_has_those_of_the_folder(tmp_path: Path) -> None:
+    plane = Request("plane", "plain", Field.of(np.eye(3)), (0.5,))
+    export(tmp_path / "vectors", [plane])
+    (tmp_path / "vectors/plane.json").write_text('{"polylines": []}')
+    for said, status in (("{}", Status.OK), ('{"limits": {"kinds": [[3, 1]]}}', Status.DECLINED)):
+        (tmp_path / "vectors/declaration.json").write_text(said)
+        assert ask(tmp_path / "vectors", plane).status is status
+
+
+def test_a_mesh_file_is_no_answer_but_for_surfaces(tmp_path: Path) -> None:
+    plane = Request("plane", "plain", Field.of(np.eye(3)), (0.5,))
+    export(tmp_path / "vectors", [plane])
+    trimesh.creation.box().export(tmp_path / "vectors/plane.ply")
+    assert "hold surfaces in space, not contours" in ask(tmp_path / "vectors", plane).detail
 
 
 def test_a_declaration_beside_the_manifest_is_believed(folder: Path) -> None:
@@ -91,9 +155,9 @@ def test_no_file_is_not_an_empty_mesh(folder: Path) -> None:
 def test_other_numbers_under_the_same_name_are_declined(folder: Path) -> None:
     np.save(folder / "made/ball.vertices.npy", MESH.vertices)
     np.save(folder / "made/ball.faces.npy", MESH.simplices)
-    moved = Request("made/ball", "plain", ball(), 1.5)
+    moved = Request("made/ball", "plain", ball(), (1.5,))
     assert "export again" in ask(folder, moved).detail
-    assert "not exported" in ask(folder, Request("made/ball", "mirror", ball(), 1.0)).detail
+    assert "not exported" in ask(folder, Request("made/ball", "mirror", ball(), (1.0,))).detail
 
 
 @pytest.mark.parametrize(
@@ -157,14 +221,14 @@ def test_nrrd_and_npy_hold_the_same_field(folder: Path) -> None:
 @pytest.mark.parametrize("kind", ["bool", "uint8", ">i2", "float16", "float32", "uint64"])
 def test_samples_of_any_type_are_exported(tmp_path: Path, kind: str) -> None:
     values = np.arange(24).reshape(2, 3, 4).astype(kind)
-    export(tmp_path / "vectors", [Request("a", "plain", Field.of(values), 1.0)])
+    export(tmp_path / "vectors", [Request("a", "plain", Field.of(values), (1.0,))])
     assert np.array_equal(np.load(tmp_path / "vectors/a.npy"), values)
     assert np.array_equal(nrrd.read(str(tmp_path / "vectors/a.nrrd"))[0], values)
 
 
 def test_components_are_exported_as_arrays_only(tmp_path: Path) -> None:
     pair = Field.of(np.zeros((2, 3, 4, 5)), dimension=3)
-    export(tmp_path / "vectors", [Request("a", "plain", pair, 1.0)])
+    export(tmp_path / "vectors", [Request("a", "plain", pair, (1.0, 2.0))])
     assert sorted(p.name for p in (tmp_path / "vectors").iterdir()) == ["a.npy", "manifest.json"]
 
 
@@ -173,7 +237,7 @@ def test_a_failed_export_leaves_nothing(tmp_path: Path) -> None:
         raise RuntimeError("no such volume")
 
     with pytest.raises(RuntimeError, match="no such volume"):
-        export(tmp_path / "vectors", [CASE, Case("a", build, 1.0, 8)])
+        export(tmp_path / "vectors", [CASE, Case("a", build, (1.0,), 8)])
     assert list(tmp_path.iterdir()) == []
 
 
@@ -188,7 +252,10 @@ def test_an_export_overwrites_nothing(folder: Path) -> None:
         (lambda f: (f / "manifest.json").unlink(), "isograde export"),
         (lambda f: (f / "manifest.json").write_text("{"), "cannot be read"),
         (lambda f: (f / "manifest.json").write_text("{}"), "required"),
-        (lambda f: (f / "declaration.json").write_text('{"level": 9}'), "maximum of 4"),
+        (
+            lambda f: (f / "declaration.json").write_text('{"level": 9}'),
+            "9 is no whole number from 0 to 4",
+        ),
         (lambda f: None, "no mesh beside any of the 2 fields"),
     ],
 )
@@ -205,10 +272,11 @@ def test_the_fingerprint_is_of_everything_that_was_asked() -> None:
     """Samples, type, place and isovalue."""
     field = ball()
     others = [
-        (Field.of(field.values, SPACING), 1.0),
-        (Field.of(field.values, (1, 2, 2), ORIGIN), 1.0),
-        (Field.of(np.asarray(field.values, "f4"), SPACING, ORIGIN), 1.0),
-        (Field.of(-field.values, SPACING, ORIGIN), 1.0),
-        (field, 1.5),
+        (Field.of(field.values, SPACING), (1.0,)),
+        (Field.of(field.values, (1, 2, 2), ORIGIN), (1.0,)),
+        (Field.of(np.asarray(field.values, "f4"), SPACING, ORIGIN), (1.0,)),
+        (Field.of(-field.values, SPACING, ORIGIN), (1.0,)),
+        (field, (1.5,)),
+        (field, (1.0, 1.0)),
     ]
-    assert len({fingerprint(field, 1.0), *(fingerprint(*other) for other in others)}) == 6
+    assert len({fingerprint(field, (1.0,)), *(fingerprint(*other) for other in others)}) == 7

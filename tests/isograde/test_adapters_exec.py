@@ -12,12 +12,13 @@ import jsonschema
 import numpy as np
 import pytest
 from isograde.adapters import open_adapter
-from isograde.adapters.declaring import protocol_schema
 from isograde.adapters.exec import ExecAdapter
+from isograde.adapters.protocol import protocol_schema
 from isograde.claims import CLAIMS
+from isograde.declaration import Declaration
 from isograde.model import (
+    CONTOURS,
     AdapterError,
-    Declaration,
     Limits,
     Outcome,
     Request,
@@ -30,9 +31,9 @@ from isoref.field import Field
 FOREIGN = Path(__file__).with_name("foreign")
 QUICK = Limits(seconds=5.0, megabytes=500)
 # A shell that is ready, and that answers the request it read last by `say`.
-READY = """read start; echo '{"protocol": 2}'; say() { id=${run#*'"id": '}
+READY = """read start; echo '{"protocol": 3}'; say() { id=${run#*'"id": '}
 printf '{"id": %s, %s}\\n' "${id%%,*}" "$1"; }; """
-TRIANGLE = '"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]'
+TRIANGLE = '"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "simplices": [[0, 1, 2]]'
 
 
 def ball(spacing: tuple[float, ...] = (1, 2, 3), origin: tuple[float, ...] = (9, 8, 7)) -> Field:
@@ -50,7 +51,8 @@ def ask(command: str, *fields: Field, limits: Limits = QUICK) -> tuple[Declarati
     declared = adapter.open(limits)
     try:
         outcomes = [
-            adapter.run(Request("test", "plain", field, 1.0)) for field in fields or [ball()]
+            adapter.run(Request("test", "plain", field, (1.0,) * field.components))
+            for field in fields or [ball()]
         ]
     finally:
         adapter.close()
@@ -83,12 +85,12 @@ def check_ball(outcome: Outcome, exact: float, rtol: float) -> None:
 def test_a_program_in_c_is_asked_through_files(tetrahedra: str) -> None:
     """Marching tetrahedra inscribe the ellipsoid of 4/3 pi r^3 within the coarseness."""
     declared, (outcome,) = ask(tetrahedra)
-    assert (declared.name, declared.level) == ("tetrahedra in C", 1)
+    assert (declared.name, declared.interpolant) == ("tetrahedra in C", "tetrahedra")
     check_ball(outcome, 6 * 4 / 3 * np.pi * 3**1.5, 0.3)
 
 
 def test_a_program_in_c_is_graded_watertight(tetrahedra: str) -> None:
-    """It claims level 1: every claim of that level, on every sign pattern of a cell."""
+    """Every claim of levels 0 and 1, on every sign pattern of a cell."""
     claims = tuple(name for name, claim in CLAIMS.items() if claim.level in (0, 1))
     only = Options(only=("cells/inside/*",), limits=QUICK)
     worker = Worker.open(f"exec:{tetrahedra}", only)
@@ -99,11 +101,12 @@ def test_a_program_in_c_is_graded_watertight(tetrahedra: str) -> None:
         worker.adapter.close()
     assert len(judged) == 256
     verdicts = [finding.verdict for one in judged for finding in one.findings.values()]
-    assert set(verdicts) == {Verdict.PASS}
-    assert len(verdicts) > 8 * 256
+    assert set(verdicts) <= {Verdict.PASS, Verdict.SKIP}
+    assert sum(verdict is Verdict.PASS for verdict in verdicts) > 5 * 256
 
 
 def test_a_program_declines_what_it_does_not_read(tetrahedra: str) -> None:
+    """It says so in its answer; what a declaration's limits refuse it would never see."""
     floats = Field.of(np.zeros((2, 2, 2), np.float32))
     _, outcomes = ask(tetrahedra, floats, ball())
     assert [o.status for o in outcomes] == [Status.DECLINED, Status.OK]
@@ -135,11 +138,66 @@ def test_a_mesh_file_of_any_format_is_an_answer(tmp_path: Path, suffix: str) -> 
 def test_arrays_may_stand_in_npy_files_or_in_the_line(tmp_path: Path) -> None:
     np.save(tmp_path / "v.npy", np.eye(3))
     np.save(tmp_path / "f.npy", [[0, 1, 2]])
-    paths = f'"vertices": "{tmp_path / "v.npy"}", "faces": "{tmp_path / "f.npy"}"'
+    paths = f'"vertices": "{tmp_path / "v.npy"}", "simplices": "{tmp_path / "f.npy"}"'
     for answer in (paths, TRIANGLE):
         _, (outcome,) = ask(f"{READY} read run; say {shlex.quote(answer)}; read stop")
         assert outcome.mesh is not None, outcome.detail
         assert outcome.mesh.simplices.tolist() == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("answer", "rows"),
+    [
+        ('"vertices": [], "simplices": []', []),
+        ('"vertices": [], "faces": []', []),
+        ('"vertices": [[0, 0, 0]], "faces": [[0, 0, 0]]', [[0, 0, 0]]),
+        ('"vertices": [], "simplices": [[0, 1, 2, 3]]', [[0, 1, 2], [0, 2, 3]]),
+        ('"vertices": [], "simplices": [[4, 5, 6], [0, 1, 2, 3]]',
+         [[4, 5, 6], [0, 1, 2], [0, 2, 3]]),
+    ],
+)  # fmt: skip
+def test_faces_and_polygons_are_answers(answer: str, rows: list[list[int]]) -> None:
+    _, (outcome,) = ask(f"{READY} read run; say {shlex.quote(answer)}; read stop")
+    assert outcome.status is Status.OK, outcome.detail
+    assert outcome.simplices is not None
+    assert outcome.simplices.shape == (len(rows), 3)
+    assert outcome.simplices.tolist() == rows
+
+
+PLANE = 'read start; echo \'{"protocol": 3, "declaration": {"limits": {"kinds": [[2, 1]]}}}\'; '
+
+
+def test_polylines_are_an_answer_where_segments_are_asked_for() -> None:
+    """A closed one repeats its first point, which does not become two vertices."""
+    answer = '"polylines": [[[0, 0], [1, 0], [0, 1], [0, 0]], [[3, 3], [4, 4]]]'
+    shell = PLANE + READY.partition("; ")[2].partition("; ")[2]
+    _, (outcome, refused) = ask(
+        f"{shell} read run; say {shlex.quote(answer)}; read stop", Field.of(np.eye(3)), ball()
+    )
+    mesh = outcome.mesh_of(CONTOURS)
+    assert mesh is not None, outcome.detail
+    assert mesh.simplices.tolist() == [[0, 1], [1, 2], [2, 0], [3, 4]]
+    assert (refused.status, refused.detail) == (
+        Status.DECLINED,
+        "outside its limits: (n, m) = (3, 1)",
+    )
+
+
+def test_several_fields_stand_one_after_the_other(tmp_path: Path) -> None:
+    """The shape has n numbers, the components their own, and the file an axis for them."""
+    log, kept = tmp_path / "log", tmp_path / "kept.npy"
+    find = 'sed \'s/.*"values": "\\([^"]*\\).*/\\1/\''
+    shell = PLANE.replace("[2, 1]", "[3, 2]") + READY.partition("; ")[2].partition("; ")[2]
+    command = (
+        f'{shell} read run; echo "$run" > {shlex.quote(str(log))}; '
+        f"cp $(echo $run | {find}) {shlex.quote(str(kept))}; say '\"polylines\": []'; read stop"
+    )
+    pair = Field.of(np.arange(48.0).reshape(2, 2, 3, 4), dimension=3)
+    _, (outcome,) = ask(command, pair)
+    assert outcome.status is Status.OK, outcome.detail
+    said = json.loads(log.read_text())
+    assert (said["shape"], said["components"], said["isovalues"]) == ([2, 3, 4], 2, [1.0, 1.0])
+    assert np.array_equal(np.load(kept), pair.values)
 
 
 @pytest.mark.parametrize(
@@ -155,13 +213,24 @@ def test_arrays_may_stand_in_npy_files_or_in_the_line(tmp_path: Path) -> None:
         ("echo 50 % done", Status.GARBAGE, "50 % done"),
         ("echo '[1, 2]'", Status.GARBAGE, "[1, 2]"),
         ("echo '{}'", Status.GARBAGE, "{}"),
+        (
+            "say '\"polylines\": [[[0, 0, 0], [1, 0, 0]]]'",
+            Status.GARBAGE,
+            "polylines are no answer",
+        ),
+        (
+            'say \'"vertices": [[0, 0, 0]], "simplices": [[0, 0, 0, 0], [0, 0]]\'',
+            Status.GARBAGE,
+            "polygon 1 has 2 corners",
+        ),
+        ('say \'"vertices": [], "simplices": [], "faces": []\'', Status.GARBAGE, "not valid"),
         (f"echo '{{{TRIANGLE}}}'", Status.GARBAGE, "'id' is a required property"),
         ("run='\"id\": 1,'; say '" + TRIANGLE + "'", Status.GARBAGE, "answered request 1"),
         ('say \'"error": "no such field"\'', Status.RAISED, "no such field"),
         ('say \'"mesh": "absent.ply"\'', Status.GARBAGE, "absent.ply"),
         ('say \'"mesh": "values.npy"\'', Status.GARBAGE, "ends in"),
-        ('say \'"vertices": "values.npy", "faces": "/dev/zero"\'', Status.GARBAGE, "zero"),
-        ('say \'"vertices": [["a"]], "faces": []\'', Status.GARBAGE, "not real"),
+        ('say \'"vertices": "values.npy", "simplices": "/dev/zero"\'', Status.GARBAGE, "zero"),
+        ('say \'"vertices": [["a"]], "simplices": []\'', Status.GARBAGE, "not real"),
         ("head -c 600000000 /dev/zero | tail -n 1 >&2; sleep 60", Status.MEMORY, "allowed"),
     ],
 )
@@ -222,8 +291,8 @@ def test_a_request_can_be_read_with_scanf(tmp_path: Path) -> None:
     log = tmp_path / "log"
     ask(f"{READY} read run; echo \"$run\" > {shlex.quote(str(log))}; say '{TRIANGLE}'", ball())
     assert re.fullmatch(
-        r'\{"command": "run", "id": 1, "dtype": "<f8", "shape": \[5, 6, 7\], '
-        r'"spacing": \[1\.0, 2\.0, 3\.0\], "isovalue": 1\.0, "offset": 128, '
+        r'\{"command": "run", "id": 1, "dtype": "<f8", "shape": \[5, 6, 7\], "components": 1, '
+        r'"spacing": \[1\.0, 2\.0, 3\.0\], "isovalues": \[1\.0\], "offset": 128, '
         r'"values": "[^"]*", "directory": "[^"]*", "case": "test"\}\n',
         log.read_text(),
     )
@@ -235,13 +304,21 @@ def test_a_request_can_be_read_with_scanf(tmp_path: Path) -> None:
         ("no-such-program-here", "not found"),
         ("exit 5", "status 5"),
         ("echo hello", "'hello'"),
-        ("""echo '{"protocol": 3}'""", "2 was expected"),
+        ("""echo '{"protocol": 4}'""", "3 was expected"),
         ("""echo '{"protocol": 1}'""", "each answer returns the id of its request"),
-        ("echo '[]'", "not of type 'object'"),
-        ("""echo '{"protocol": 2, "declaration": {"level": 9}}'""", "maximum of 4"),
+        ("""echo '{"protocol": 2}'""", "requests have isovalues and components"),
+        ("echo '[]'", "is not an object"),
         (
-            """echo '{"protocol": 2, "declaration": {"conventions": {"tie": "up"}}}'""",
-            "not one of",
+            """echo '{"protocol": 3, "declaration": {"level": 9}}'""",
+            "9 is no whole number from 0 to 4",
+        ),
+        (
+            """echo '{"protocol": 3, "declaration": {"vertexes": "cells"}}'""",
+            "no 'vertexes'; did you mean 'vertices'",
+        ),
+        (
+            """echo '{"protocol": 3, "declaration": {"conventions": {"tie": "up"}}}'""",
+            "tie: there is no 'up'",
         ),
     ],
 )

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from isograde.adapters import open_adapter
 from isograde.claims import CLAIMS
+from isograde.declaration import Declaration
 from isograde.model import (
     AdapterError,
     Case,
-    Declaration,
     Limits,
     Outcome,
     Request,
@@ -52,8 +52,22 @@ ENDINGS = [
     ("returns_none", Status.GARBAGE, "NoneType"),
     ("returns_string", Status.GARBAGE, "str"),
     ("returns_strings", Status.GARBAGE, "not real numbers"),
-    ("returns_three", Status.GARBAGE, "of 3"),
-    ("returns_ragged", Status.GARBAGE, "array"),
+    ("returns_three", Status.GARBAGE, "the answer cannot be made an array"),
+    ("returns_list_of_three", Status.GARBAGE, "neither a pair"),
+    ("returns_junk_rows", Status.GARBAGE, "polygon 1 (list) are not real numbers"),
+    ("returns_two_corners", Status.GARBAGE, "polygon 1 has 2 corners: [0, 1]"),
+    ("returns_padding_inside", Status.GARBAGE, "polygon 0 has a -1 before its last corner"),
+    ("returns_float_rows", Status.GARBAGE, "polygon 0 has shape (4,) of float64"),
+    ("returns_object_array", Status.GARBAGE, "not real numbers: object"),
+    ("returns_beyond_integers", Status.GARBAGE, "not real numbers: object"),
+    ("returns_beyond_in_rows", Status.GARBAGE, "the index 18446744073709551615"),
+    ("returns_flat_soup", Status.GARBAGE, "nor a soup (S, 3, 3)"),
+    ("returns_false_mesh", Status.GARBAGE, "no vertices today"),
+    ("returns_quads", Status.OK, ""),
+    ("returns_polygons", Status.OK, ""),
+    ("returns_soup", Status.OK, ""),
+    ("returns_object", Status.OK, ""),
+    ("returns_ragged", Status.GARBAGE, "vertices cannot be made an array"),
     ("returns_objects", Status.GARBAGE, "no array"),
     ("returns_complex", Status.GARBAGE, "complex"),
     ("returns_huge", Status.MEMORY, "allocate"),
@@ -67,14 +81,14 @@ def outcomes(name: str, limits: Limits) -> list[Outcome]:
     adapter.open(limits)
     try:
         isovalues = (1.5, BAD, 1.5)
-        return [adapter.run(Request("test", "plain", FIELD, isovalue)) for isovalue in isovalues]
+        return [adapter.run(Request("test", "plain", FIELD, (isovalue,))) for isovalue in isovalues]
     finally:
         adapter.close()
 
 
 def verdict(claim: str, outcome: Outcome) -> Verdict:
     """What the claim says of the outcome."""
-    case = Case("test", lambda: FIELD, BAD, 8)
+    case = Case("test", lambda: FIELD, (BAD,), 8)
     trial = Trial(case, FIELD, Declaration("hostile"), {"plain": outcome})
     return CLAIMS[claim].judge(trial).verdict
 
@@ -98,9 +112,9 @@ def test_an_answer_that_comes_twice_cannot_pass_for_the_next_ones() -> None:
     adapter = open_adapter(f"python:{HOSTILE}:forks")
     adapter.open(Limits(seconds=5.0, megabytes=500))
     try:
-        first = adapter.run(Request("test", "plain", FIELD, BAD))
+        first = adapter.run(Request("test", "plain", FIELD, (BAD,)))
         time.sleep(0.5)
-        second, third = (adapter.run(Request("test", "plain", FIELD, 2.5)) for _ in range(2))
+        second, third = (adapter.run(Request("test", "plain", FIELD, (2.5,))) for _ in range(2))
     finally:
         adapter.close()
     assert [o.status for o in (first, second, third)] == [Status.OK, Status.GARBAGE, Status.OK]
@@ -119,6 +133,9 @@ def test_memory_held_by_child_processes_counts() -> None:
         ("returns_wrong_shape", "structure.shapes"),
         ("returns_floats", "structure.shapes"),
         ("returns_one_based", "structure.in_range"),
+        ("returns_huge_indices", "structure.in_range"),
+        ("returns_quads_out_of_range", "structure.in_range"),
+        ("returns_float_quads", "structure.shapes"),
     ],
 )
 def test_a_malformed_mesh_arrives_as_it_is_for_the_claims_to_judge(name: str, claim: str) -> None:

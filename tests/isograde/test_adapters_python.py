@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.adapters import open_adapter, ready_made_names
-from isograde.model import Declaration, Limits, Outcome, Request, Status
+from isograde.declaration import Declaration
+from isograde.model import AdapterError, Limits, Outcome, Request, Status
 from isoref.field import Field
 from isoref.methods import METHODS
 from numpy.typing import NDArray
@@ -15,12 +16,12 @@ from skimage.measure import marching_cubes
 QUICK = Limits(seconds=20.0, megabytes=1024)
 
 
-def ask(spec: str, field: Field, isovalue: float) -> Outcome:
+def ask(spec: str, field: Field, *isovalues: float) -> Outcome:
     """The outcome of one call through an adapter of its own."""
     adapter = open_adapter(spec)
     adapter.open(QUICK)
     try:
-        return adapter.run(Request("test", "plain", field, isovalue))
+        return adapter.run(Request("test", "plain", field, isovalues))
     finally:
         adapter.close()
 
@@ -72,7 +73,36 @@ class Group:
         return [], []
 
 def declaration():
-    return {"level": 1, "without": ["welded"]}
+    return {"level": 1, "mesh": {"soup": 0.001}}
+
+
+def curve(a, b, isovalue_a, isovalue_b, spacing):
+    "One closed polyline: the first samples, the isovalues."
+    return [[[a.flat[0], b.flat[0], 0], [isovalue_a, isovalue_b, 0], [0, 0, 1],
+             [a.flat[0], b.flat[0], 0]]]
+
+
+def together(values, isovalues, spacing):
+    "The same, asked the other way."
+    return curve(*values, *isovalues, spacing)
+
+together.declaration = {"limits": {"kinds": [[3, 2]]}}
+
+
+def contours(values, isovalue, spacing):
+    return [[[0.0, 0.0], [isovalue, 1.0]]]
+
+contours.declaration = {"limits": {"kinds": [[2, 1]], "least": 3, "types": ["float64"]}}
+
+
+def four(a, b, isovalue, spacing):
+    return [], []
+
+
+def misspelt(values, isovalue, spacing):
+    return [], []
+
+misspelt.declaration = {"vertices": "edge"}
 """
 
 
@@ -103,7 +133,7 @@ def test_a_module_or_a_file_in_the_current_folder_is_found(mine: Path) -> None:
 def test_a_function_s_own_declaration_goes_before_its_module_s(mine: Path) -> None:
     assert opened("python:mine:extract").level == 2
     declared = opened("python:mine:Group.method")
-    assert (declared.level, declared.without) == (1, frozenset({"welded"}))
+    assert (declared.level, declared.soup) == (1, 0.001)
     assert declared.name == "python:mine:Group.method"
 
 
@@ -122,9 +152,9 @@ def test_samples_lie_in_memory_as_they_did_for_us(mine: Path, values: NDArray[An
     """The claims on memory layout rest on it. Samples can be written to."""
     outcome = ask("python:mine:extract", Field.of(values), 0.0)
     assert outcome.vertices is not None, outcome.detail
-    assert outcome.faces is not None
+    assert outcome.simplices is not None
     assert outcome.vertices.tolist() == [[*values.strides, values[0, 1, 2]]]
-    assert outcome.faces.tolist() == [[1, 0, 0]]
+    assert outcome.simplices.tolist() == [[1, 0, 0]]
 
 
 def test_a_large_field_with_its_large_mesh_passes_unharmed() -> None:
@@ -133,13 +163,66 @@ def test_a_large_field_with_its_large_mesh_passes_unharmed() -> None:
     outcome = ask("skimage:lorensen", Field.of(values), 0.5)
     vertices, faces, *_ = marching_cubes(values, 0.5, method="lorensen")
     assert outcome.vertices is not None
-    assert outcome.faces is not None
+    assert outcome.simplices is not None
     assert outcome.vertices.nbytes > 1 << 20
     assert np.array_equal(outcome.vertices, vertices)
-    assert np.array_equal(outcome.faces[:, [0, 2, 1]], faces)
+    assert np.array_equal(outcome.simplices[:, [0, 2, 1]], faces)
 
 
-def test_every_method_of_the_reference_has_a_adapter() -> None:
+@pytest.mark.parametrize("name", ["curve", "together"])
+def test_several_fields_go_apart_or_together(mine: Path, name: str) -> None:
+    """2 m + 1 parameters, or three; each field with its own isovalue, and no third array."""
+    pair = Field.of(np.stack([np.full((2, 3, 4), 5.0), np.full((2, 3, 4), 7.0)]), dimension=3)
+    outcome = ask(f"python:mine:{name}", pair, 0.25, 0.75)
+    assert outcome.vertices is not None, outcome.detail
+    assert outcome.simplices is not None
+    assert outcome.vertices.tolist() == [[5, 7, 0], [0.25, 0.75, 0], [0, 0, 1]]
+    assert outcome.simplices.tolist() == [[0, 1], [1, 2], [2, 0]]
+
+
+def test_parameters_tell_the_kind_where_none_is_declared(mine: Path) -> None:
+    assert opened("python:mine:curve").limits.kinds == ((3, 2),)
+    assert opened("python:mine:together").limits.kinds == ((3, 2),)
+    assert opened("python:mine:extract").limits.kinds == ((3, 1),)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("four", r"asks for 4 arguments; for \(n, m\) = \(3, 1\) it is called with 3"),
+        ("misspelt", "there is no 'edge'; did you mean 'edges'"),
+        ("absent", "it has .*contours"),
+    ],
+)
+def test_what_cannot_be_called_is_said_at_the_adapter(mine: Path, name: str, words: str) -> None:
+    with pytest.raises(AdapterError, match=words):
+        opened(f"python:mine:{name}")
+
+
+def test_what_the_limits_refuse_is_never_sent(mine: Path) -> None:
+    """The kind, the least length of an axis, the type; anything else is sent."""
+    spec = "python:mine:contours"
+    assert ask(spec, Field.of(np.zeros((3, 3))), 0.5).status is Status.OK
+    refused = {
+        "(n, m) = (3, 1)": Field.of(np.zeros((3, 3, 3))),
+        "fewer than 3 samples": Field.of(np.zeros((3, 2))),
+        "samples of type float32": Field.of(np.zeros((3, 3), np.float32)),
+    }
+    for reason, field in refused.items():
+        outcome = ask(spec, field, 0.5)
+        assert outcome.status is Status.DECLINED
+        assert reason in outcome.detail
+
+
+def test_a_component_s_axis_is_not_sent_where_there_is_one(mine: Path) -> None:
+    """The same samples, whether or not the field counts its one component."""
+    single = Field.of(np.arange(60.0).reshape(1, 3, 4, 5), dimension=3)
+    outcome = ask("python:mine:extract", single, 0.0)
+    assert outcome.vertices is not None, outcome.detail
+    assert outcome.vertices.tolist() == [[160, 40, 8, 7]]
+
+
+def test_every_method_of_the_reference_has_an_adapter() -> None:
     assert {f"isoref:{name}" for name in METHODS} <= set(ready_made_names())
 
 

@@ -1,17 +1,17 @@
 #!/usr/bin/perl
-# Contours, curves, and simplices of dimension 1, by Kuhn's simplices: each cell is cut along its
-# main diagonal, and the fields are linear on each piece.
+# Contours and curves by Kuhn's simplices: each cell is cut along its main diagonal, and the one or
+# two fields are linear on each piece.
 #
-#   perl kuhn.pl curves            speaks the protocol of exec: on standard input
-#   perl kuhn.pl curves FOLDER     answers every field of an exported folder, for dir:
+#   perl kuhn.pl polylines            speaks the protocol of exec: on standard input
+#   perl kuhn.pl polylines FOLDER     answers every field of an exported folder, for dir:
+#   perl kuhn.pl segments ..          the same, with the answer as an indexed mesh
 use strict;
 use warnings;
 use JSON::PP;
 
-my ($kind, $folder) = @ARGV;
-# A common zero on the edge of a simplex may be missed by one neighbour, so simplices may leak.
-my $declaration = {name => "Kuhn in Perl", discipline => $kind, level => $kind eq "simplices" ? 0 : 2,
-                   without => $kind eq "contours" ? ["on-edges"] : []};
+my ($form, $folder) = @ARGV;
+my $declaration = {name => "Kuhn in Perl", interpolant => "kuhn", conventions => {nan => "answers"},
+                   limits => {kinds => [[2, 1], [3, 2]], types => ["float64", "int64", "uint8"]}};
 my (@shape, @step, @f, @paths, $m, $n);    # f: a list of samples a component, isovalue subtracted
 my (%at, @links);                          # the point on a face, by its key; pairs of keys
 
@@ -34,28 +34,25 @@ sub permutations {
         0 .. $#rest;
 }
 
-# The samples of a request; why it cannot be met, or nothing.
+# Take the samples of a request.
 sub take {
     my ($bytes, $ask) = @_;
     my $format = {'<f8' => 'd<*', '<i8' => 'q<*', '|u1' => 'C*'}->{$ask->{dtype}}
-        or return "reads float64, int64 and uint8 only";
+        or die "was sent $ask->{dtype}\n";
     my @values = unpack $format, $bytes;
+    my @isovalue = @{$ask->{isovalues}};
     @shape = @{$ask->{shape}};
-    $n = @{$ask->{spacing}};
-    my $parts = @shape > $n ? shift @shape : 1;
-    $m = $kind eq "curves" ? 2 : $parts;
-    return "has simplices of dimension 1 only" if $n - $m != 1;
+    $n = @shape;
+    $m = $ask->{components};
+    die "was sent $m fields in $n dimensions\n" if $n - $m != 1 || $m != @isovalue;
     my $size = 1;
     $size *= $_ for @shape;
-    die "the file is too short\n" if @values != $parts * $size;
-    my @isovalue = ($ask->{isovalue}) x $m;
-    $isovalue[1] = $values[2 * $size] if $kind eq "curves" && $parts == 3;
+    die "the file is too short\n" if @values != $m * $size;
     @f = map { my $c = $_; [map $_ - $isovalue[$c], @values[$c * $size .. ($c + 1) * $size - 1]] }
         0 .. $m - 1;
     $step[$n - 1] = 1;
     $step[$_] = $step[$_ + 1] * $shape[$_ + 1] for reverse 0 .. $n - 2;
     @paths = permutations(0 .. $n - 1);
-    return;
 }
 
 sub det { my ($p, $q) = @_; return $f[0][$p] * $f[1][$q] - $f[0][$q] * $f[1][$p] }
@@ -155,23 +152,25 @@ sub chains {
     return @chains;
 }
 
-# The arrays of an answer, as .npy files beside each other.
+# A point of the mesh.
+sub point {
+    my ($key, $spacing, $origin) = @_;
+    return map $at{$key}[$_] * $spacing->[$_] + $origin->[$_], 0 .. $n - 1;
+}
+
+# The answer: lists of points, or the names of .npy files that begin with the stem.
 sub answer {
     my ($stem, $spacing, $origin) = @_;
     cells();
-    my (@keys, @second);
-    if ($kind eq "simplices") {
-        my %number;
-        @keys = sort keys %at;
-        @number{@keys} = 0 .. $#keys;
-        @second = map { ($number{$_->[0]}, $number{$_->[1]}) } @links;
-    } else {
-        my @chains = chains();
-        for my $c (0 .. $#chains) { push @keys, @{$chains[$c]}; push @second, ($c) x @{$chains[$c]} }
-    }
-    my @points = map { my $p = $at{$_}; map $p->[$_] * $spacing->[$_] + $origin->[$_], 0 .. $n - 1 } @keys;
-    spill("$stem.vertices.npy", npy('<f8', 'd<*', $n, @points));
-    spill("$stem.faces.npy", npy('<i8', 'q<*', $kind eq "simplices" ? 2 : 1, @second));
+    return {polylines => [map { [map [point($_, $spacing, $origin)], @$_] } chains()]}
+        if $form eq "polylines";
+    my @keys = sort keys %at;
+    my %number;
+    @number{@keys} = 0 .. $#keys;
+    spill("$stem.vertices.npy", npy('<f8', 'd<*', $n, map point($_, $spacing, $origin), @keys));
+    spill("$stem.simplices.npy", npy('<i8', 'q<*', 2, map { @number{@$_} } @links));
+    my ($name) = $stem =~ m{([^/]*)$};
+    return {vertices => "$name.vertices.npy", simplices => "$name.simplices.npy"};
 }
 
 if (defined $folder) {
@@ -179,9 +178,11 @@ if (defined $folder) {
     spill("$folder/declaration.json", encode_json($declaration));
     for my $entry (@{$manifest->{fields}}) {
         my $bytes = slurp("$folder/$entry->{values}");
-        my $refused = take(substr($bytes, 10 + unpack("v", substr $bytes, 8, 2)), $entry);
+        $entry->{components} = $entry->{kind}[1];
+        next unless eval { take(substr($bytes, 10 + unpack("v", substr $bytes, 8, 2)), $entry); 1 };
         my ($stem) = "$folder/$entry->{values}" =~ /(.*)\.npy$/;
-        answer($stem, $entry->{spacing}, $entry->{origin}) unless defined $refused;
+        my $said = answer($stem, $entry->{spacing}, $entry->{origin});
+        spill("$stem.json", encode_json($said)) if $form eq "polylines";
     }
     exit;
 }
@@ -189,12 +190,10 @@ $| = 1;
 while (my $line = <STDIN>) {
     my $ask = decode_json($line);
     last if $ask->{command} eq "stop";
-    my $said = {protocol => 2, declaration => $declaration};
+    my $said = {protocol => 3, declaration => $declaration};
     if ($ask->{command} eq "run") {
-        my $refused = eval { take(substr(slurp($ask->{values}), $ask->{offset}), $ask) };
-        $said = $@ ? {error => $@} : defined $refused ? {unsupported => $refused}
-            : {vertices => "a.vertices.npy", faces => "a.faces.npy"};
-        answer("$ask->{directory}/a", $ask->{spacing}, [(0) x $n]) if $said->{vertices};
+        my $taken = eval { take(substr(slurp($ask->{values}), $ask->{offset}), $ask); 1 };
+        $said = $taken ? answer("$ask->{directory}/a", $ask->{spacing}, [(0) x $n]) : {error => $@};
         $said->{id} = $ask->{id};
     }
     print encode_json($said), "\n";

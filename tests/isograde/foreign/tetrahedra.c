@@ -41,8 +41,9 @@ static void cell(int x, int y, int z) {
 static const char *samples(const char *line, long *id) {
     char path[4096]; long offset;
     if (sscanf(line, "{\"command\": \"run\", \"id\": %ld, \"dtype\": \"<f8\", \"shape\": [%d, %d, %d],"
-               " \"spacing\": [%lf, %lf, %lf], \"isovalue\": %lf, \"offset\": %ld,"
-               " \"values\": \"%4095[^\"]", id, n, n + 1, n + 2, h, h + 1, h + 2, &iso, &offset, path) < 10)
+               " \"components\": 1, \"spacing\": [%lf, %lf, %lf], \"isovalues\": [%lf],"
+               " \"offset\": %ld, \"values\": \"%4095[^\"]",
+               id, n, n + 1, n + 2, h, h + 1, h + 2, &iso, &offset, path) < 10)
         return "\"unsupported\": \"reads float64 in three dimensions only\"";
     size_t size = (size_t)n[0] * n[1] * n[2];
     FILE *file = fopen(path, "rb");
@@ -59,8 +60,8 @@ int main(void) {
     static char line[1 << 16];
     while (fgets(line, sizeof line, stdin) && !strstr(line, "\"stop\"")) {
         const char *why; long id = V = F = 0;
-        if (strstr(line, "\"start\"")) printf("{\"protocol\": 2, \"declaration\": {\"name\": "
-            "\"tetrahedra in C\", \"level\": 1, \"without\": [\"on-edges\"]}}\n");
+        if (strstr(line, "\"start\"")) printf("{\"protocol\": 3, \"declaration\": {\"name\": "
+            "\"tetrahedra in C\", \"interpolant\": \"kuhn\"}}\n");
         else if ((why = samples(line, &id))) printf("{\"id\": %ld, %s}\n", id, why);
         else {
             for (int x = 0; x + 1 < n[0]; x++) for (int y = 0; y + 1 < n[1]; y++)
@@ -68,7 +69,7 @@ int main(void) {
             printf("{\"id\": %ld, \"vertices\": [", id);
             for (long k = 0; k < V; k++) printf("%s[%.17g, %.17g, %.17g]", k ? ", " : "",
                                                 points[k][0], points[k][1], points[k][2]);
-            printf("], \"faces\": [");
+            printf("], \"simplices\": [");
             for (long k = 0; k < F; k++) printf("%s[%d, %d, %d]", k ? ", " : "",
                                                 faces[k][0], faces[k][1], faces[k][2]);
             printf("]}\n");

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from isograde.declaration import Conventions, Declaration
 from isograde.model import Kind, Outcome, Request, Status
+from isograde.variants import is_bad_input
 
 
 def refusal(request: Request, declaration: Declaration) -> str:
     """Why the request is outside the limits that were declared; nothing where it is not.
 
-    What is no field (no samples, a wrong rank) is outside no limits: it is asked about to see what
-    comes back.
+    What is no field (no samples, a wrong rank) is asked about to see what comes back.
     """
     field = request.field
-    if not is_field(field):
+    if is_bad_input(request.variant) or not is_field(field):
         return ""
     return declaration.limits.refusal(request.kind, field.shape, field.values.dtype)
 

@@ -169,7 +169,7 @@ def from_polylines(lines: Sequence[Any], kind: Kind) -> Arrays:
         # Let the last point of a closed polyline be its first.
         closed = len(line) > 2 and bool((line[0] == line[-1]).all())
         count = len(line) - closed
-        step = np.arange(len(line) - 1)
+        step = np.arange(len(line) - 1)  # None where there is but one point.
         segments.append(start + np.stack([step, (step + 1) % count], axis=1))
         points.append(line[:count])
         start += count
@@ -182,8 +182,8 @@ def _polyline(given: object, number: int, kind: Kind) -> NDArray[Any]:
     if line.ndim != 2 or line.shape[1] != kind.n:
         hint = "; vertices and segments are a tuple" if line.dtype.kind in "iu" else ""
         raise AnswerError(f"polyline {number} has shape {line.shape}, not (N, {kind.n}){hint}")
-    if len(line) < 2:
-        raise AnswerError(f"polyline {number} has {len(line)} points, and no segment")
+    if not len(line):
+        raise AnswerError(f"polyline {number} has no points")
     return line
 
 

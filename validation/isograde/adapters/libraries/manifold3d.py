@@ -51,6 +51,7 @@ METHODS = {
             "vertices": {"own": 1.0},
             "domain": "closed",
             "conventions": {"tie": "outside", "nan": "answers"},
+            "limits": {"least": 2},
             "notes": "samples on a body-centred lattice of its own; closes the surface at the "
             "border",
         },

@@ -30,9 +30,12 @@ def labels(values, isovalue, spacing, module, filter_name):
     return cells(contour.GetOutput(), 3, 3)
 
 
-def contour_twice(a, b, isovalue_a, isovalue_b, spacing):
-    """The curve in which two surfaces meet: the first surface, and a contour on it."""
-    fields = known_to_vtk(a), known_to_vtk(b)
+def contour_twice(a, b, isovalue_a, isovalue_b, spacing, widened=True):
+    """The curve in which two surfaces meet: the first surface, and a contour on it.
+
+    VTK gives values that it interpolates the type of the samples: `widened` ones are not rounded.
+    """
+    fields = [field.astype(np.float64) if widened else field for field in (a, b)]
     return contoured(image(fields, spacing), (isovalue_a, isovalue_b), 3)
 
 
@@ -40,7 +43,7 @@ def contour_intersect(a, b, isovalue_a, isovalue_b, spacing):
     """The curve in which two surfaces meet: both surfaces, and a filter that intersects them."""
     from vtkmodules.vtkFiltersGeneral import vtkIntersectionPolyDataFilter
 
-    both = image([known_to_vtk(a), known_to_vtk(b)], spacing)
+    both = image([field.astype(np.float64) for field in (a, b)], spacing)
     surfaces = [contour(both, c, level) for c, level in enumerate((isovalue_a, isovalue_b))]
     if not all(one.GetNumberOfCells() for one in surfaces):
         return np.empty((0, 3)), np.empty((0, 2), np.int64)
@@ -57,7 +60,7 @@ def kuhn(values, isovalues, spacing):
     """Level sets on Kuhn's triangles or tetrahedra, by the contour filter once for each field."""
     n = len(spacing)
     fields, levels = (values[None], [isovalues]) if values.ndim == n else (values, isovalues)
-    return contoured(simplices(known_to_vtk(fields), spacing), levels, n)
+    return contoured(simplices(fields.astype(np.float64), spacing), levels, n)
 
 
 def image(fields, spacing):
@@ -161,6 +164,7 @@ LIBRARY = {
 }  # fmt: skip
 _ANSWERS = {"nan": "answers"}
 _WIDENS = "gives bool as uint8, float16 as float32, and a foreign byte order as the native one"
+_CONVERTS = "converts samples to float64: on a surface it interpolates in the type of the samples"
 _LABELS = "gives it the label 1 where values >= isovalue, else 0"
 
 
@@ -200,7 +204,13 @@ METHODS = {
     "vtk:contour-twice": {
         "function": "contour_twice",
         "declaration": {"conventions": _ANSWERS, "limits": {"kinds": [[3, 2]]}},
-        "does": [_WIDENS, "asks for double precision"],
+        "does": [_CONVERTS, "asks for double precision"],
+    },
+    "vtk:contour-twice-raw": {
+        "function": "contour_twice",
+        "options": {"widened": False},
+        "declaration": {"conventions": _ANSWERS, "limits": {"kinds": [[3, 2]]}},
+        "does": ["asks for double precision"],
     },
     "vtk:contour-intersect": {
         "function": "contour_intersect",
@@ -208,7 +218,7 @@ METHODS = {
             "conventions": _ANSWERS,
             "limits": {"kinds": [[3, 2]]},
         },
-        "does": [_WIDENS, "asks for double precision"],
+        "does": [_CONVERTS, "asks for double precision"],
     },
     "vtk:kuhn": {
         "function": "kuhn",
@@ -218,7 +228,7 @@ METHODS = {
             "limits": {"kinds": [[2, 1], [3, 1], [3, 2]], "least": 2},
         },
         "does": [
-            _WIDENS,
+            _CONVERTS,
             "cuts the cells of the lattice into simplices",
             "asks for double precision",
         ],
