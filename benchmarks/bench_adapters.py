@@ -36,7 +36,7 @@ def repeated(run: Callable[[], object], times: int) -> Callable[[], None]:
 def row(adapter: Adapter, side: int, rounds: int) -> str:
     """The table's row for a sphere in side^3 samples."""
     values, times = sphere(side), SIDES[side]
-    request = Request("sphere", "plain", Field.of(values), 0.0)
+    request = Request("sphere", "plain", Field.of(values), (0.0,))
     contestants: dict[str, Callable[[], object]] = {
         "direct": repeated(partial(marching_cubes, values, 0.0), times),
         "adapter": repeated(partial(adapter.run, request), times),

@@ -43,9 +43,9 @@ def contestants(first: Field, second: Field) -> dict[str, Run]:
         "one `values >= 0` of both fields": lambda: (first.values >= 0, second.values >= 0),
     }
     if importlib.util.find_spec("vtkmodules"):
-        from isograde.adapters.curve_methods import vtk_contour_twice
+        from isograde.adapters.libraries.vtk import contour_twice
 
-        found["VTK: contour, contour, strip"] = lambda: vtk_contour_twice(
+        found["VTK: contour, contour"] = lambda: contour_twice(
             first.values, second.values, 0.0, 0.0, first.spacing
         )
     return found

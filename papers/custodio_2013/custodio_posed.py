@@ -91,7 +91,7 @@ def padded(cells: Floats) -> Floats:
 
 def answer(adapter: Adapter, values: Floats) -> Surface:
     """What the implementation makes of a field, equal vertices made one. Raises AdapterError."""
-    outcome = adapter.run(Request("papers/custodio_2013", "plain", Field.of(values), 0.0))
+    outcome = adapter.run(Request("papers/custodio_2013", "plain", Field.of(values), (0.0,)))
     if outcome.mesh is None:
         raise AdapterError(f"no mesh: {outcome.status}, {outcome.detail}")
     return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()

@@ -17,7 +17,7 @@ from pathlib import Path
 import custodio_posed as posed
 import numpy as np
 from isograde.adapters import open_adapter, ready_made_names
-from isograde.model import AdapterError, Limits
+from isograde.model import SURFACES, AdapterError, Limits
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
 from isograde.oracles.trilinear_grid import grid
@@ -118,7 +118,7 @@ def _betti(components: int, euler: int) -> tuple[int, int]:
 
 def implementations() -> list[str]:
     """Every ready-made name, the reference last."""
-    return sorted(ready_made_names(), key=lambda name: (name.startswith("isoref"), name))
+    return sorted(ready_made_names(SURFACES), key=lambda name: (name.startswith("isoref"), name))
 
 
 def agreed(name: str, published: posed.Published) -> Agreed:

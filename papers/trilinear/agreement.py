@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import whole
 from isograde.adapters import open_adapter, ready_made_names
-from isograde.model import Adapter, AdapterError, Limits
+from isograde.model import SURFACES, Adapter, AdapterError, Limits
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import NONE, cells
@@ -128,7 +128,7 @@ def crossing(adapter: Adapter, values: Floats, side: int) -> int:
 
 def implementations() -> list[str]:
     """Every ready-made name, the reference last."""
-    return sorted(ready_made_names(), key=lambda name: (name.startswith("isoref"), name))
+    return sorted(ready_made_names(SURFACES), key=lambda name: (name.startswith("isoref"), name))
 
 
 def noise_grids(number: int, size: int) -> Iterator[Floats]:

@@ -86,5 +86,5 @@ def orders(adapter: Adapter, said: Declaration) -> dict[str, list[Finding]]:
 def _trial(adapter: Adapter, said: Declaration, case: Case) -> Trial | None:
     """The case and its answer, where there is one."""
     field = case.build()
-    outcome = adapter.run(Request(case.id, "plain", field, case.isovalue))
+    outcome = adapter.run(Request(case.id, "plain", field, case.isovalues))
     return None if outcome.mesh is None else Trial(case, field, said, {"plain": outcome})

@@ -48,7 +48,7 @@ def places(side: int) -> NDArray[np.int64]:
 
 def surface(adapter: Adapter, values: Floats) -> Surface:
     """What the implementation answers, equal vertices made one. Raises `AdapterError`."""
-    outcome = adapter.run(Request("papers/trilinear", "plain", Field.of(values), 0.0))
+    outcome = adapter.run(Request("papers/trilinear", "plain", Field.of(values), (0.0,)))
     if outcome.mesh is None:
         raise AdapterError(f"no mesh: {outcome.status}, {outcome.detail}")
     return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()

@@ -20,7 +20,7 @@ from isograde.adapters.directory import DirectoryAdapter, export
 from isograde.adapters.exec import ExecAdapter
 from isograde.adapters.python import PythonAdapter
 from isograde.adapters.registry import READY_MADE
-from isograde.model import Adapter, AdapterError
+from isograde.model import Adapter, AdapterError, Kind
 
 __all__ = ["export", "open_adapter", "ready_made_names"]
 
@@ -29,9 +29,19 @@ __all__ = ["export", "open_adapter", "ready_made_names"]
 KINDS = ("python", "exec", "dir")
 
 
-def ready_made_names() -> list[str]:
-    """The names of the adapters that come with the grader, whether or not their library is here."""
-    return sorted(READY_MADE)
+def ready_made_names(kind: Kind | None = None) -> list[str]:
+    """The names of the adapters that come with the grader, whether or not their library is here.
+
+    With a kind only those that make it.
+
+    >>> "contourpy" in ready_made_names(Kind(3, 1)), "contourpy" in ready_made_names(Kind(2, 1))
+    (False, True)
+    """
+    return sorted(
+        name
+        for name, ready in READY_MADE.items()
+        if kind is None or kind in ready.declaration().limits.kinds
+    )
 
 
 def open_adapter(spec: str) -> Adapter:

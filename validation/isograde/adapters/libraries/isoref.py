@@ -10,8 +10,8 @@ def surface(values, isovalue, spacing, method):
 
 def simplicial(values, isovalue, spacing, rule):
     """The level set on Kuhn's simplices, for any number of axes and fields."""
+    from isoref.fast.simplicial import extract
     from isoref.field import Field
-    from isoref.simplicial import extract
 
     return extract(Field.of(values, spacing, dimension=len(spacing)), isovalue, rule=rule)
 
@@ -36,8 +36,8 @@ def marching_faces(a, b, isovalue_a, isovalue_b, spacing):
 
 def surface_intersection(a, b, isovalue_a, isovalue_b, spacing):
     """The curves in which the triangles of two isosurfaces meet."""
+    from isoref.fast.surface_intersection import intersection_curves
     from isoref.field import Field
-    from isoref.surface_intersection import intersection_curves
 
     fields = Field.of(a, spacing), Field.of(b, spacing)
     curves = intersection_curves(*fields, (isovalue_a, isovalue_b))
