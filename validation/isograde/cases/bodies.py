@@ -1,7 +1,8 @@
 """Known bodies, sampled: what every implementation, of whatever family, must get right.
 
 Every body of `isograde.oracles.bodies` in boxes of 2^e and of 2^e + 1 samples along the axes, as
-float64 and as uint8. Facts: "body", and "rounding", by how many cells the samples are off.
+float64 and as uint8. Facts: "body", and "rounding", by how many cells the samples are off, and an
+answer in single precision.
 
 Floats are rounded to multiples of 2^-20, so that the numbers are the same everywhere (nothing but
 sums, products and square roots made them), and lifted by an isovalue that is not zero. Bytes are
@@ -27,6 +28,9 @@ BAND = 8.0
 STEP = 2 * BAND / 255
 ISOVALUES = {"float64": 0.3125, "uint8": 127.5}
 ROUNDINGS = {"float64": 2.0**-21, "uint8": STEP / 2}
+SINGLE = 4 * 2.0**-24
+"""Share of the box by which an answer in single precision is off: the sample, the difference from
+the isovalue, the crossing and its place are each rounded once."""
 
 
 def cases(seed: int = 0) -> list[Case]:
@@ -51,7 +55,7 @@ def _case(body: Body, kind: str) -> Case:
     """The case of a body, with samples of this type."""
     tags = frozenset({"bodies", "closed", kind, f"{body.n}-{body.m}"})
     name = f"bodies/{body.n}-{body.m}/{body.name}-{body.shape[0]}-{kind}"
-    facts = {"body": body, "rounding": ROUNDINGS[kind]}
+    facts = {"body": body, "rounding": ROUNDINGS[kind] + SINGLE * max(body.shape)}
     samples = int(np.prod(body.shape))
     return Case(name, partial(sampled, body, kind), ISOVALUES[kind], samples, tags, facts)
 

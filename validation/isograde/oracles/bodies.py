@@ -20,9 +20,9 @@ How far a right mesh may be from its body
 -----------------------------------------
 *One function.* Let x_1, x_2, .. be points with weights mu_j that sum to 1 and have the mean p. By
 Taylor's formula at p,  |sum mu_j phi(x_j) - phi(p)| <= K/2 sum mu_j |x_j - p|^2, which is K/2 times
-the sum over the axes of the variance of that coordinate. A vertex at the linear crossing of an edge,
-at the fraction t, is off by K/2 t (1 - t) at most: the average of the two ends, with the variance
-t (1 - t). Averages of averages add up: a point of a simplex whose vertices are such crossings is an
+the sum over the axes of the variance of that coordinate. A vertex at the linear crossing of an
+edge, at the fraction t, is off by K/2 t (1 - t) at most: the average of the two ends, with the
+variance t (1 - t). Averages of averages add up: a point of a simplex whose vertices are such crossings is an
 average of corners of the cell, and a coordinate that takes only the values 0 and 1 has the variance
 p (1 - p) <= 1/4. So whatever a mesh averages inside one cell,
 
@@ -36,8 +36,9 @@ averages of crossings, are covered, and a split over blocks of b cells an axis h
 coordinate between 0 and 2 has a variance of at most 1, so |phi(p)| <= K/2 (n - 1 + 1/4)
 = (4 n - 3) K / 8: the chord of the block's diagonal, 3 cells long for surfaces in space, 9/(8R).
 
-*own.* On its own lattice of steps up to r the same argument gives n r^2 K / 8, and its samples,
-taken from the multilinear interpolant, are themselves off by n K / 8.
+*own.* On its own lattice of steps up to r the same argument gives n r^2 K / 8 (less where it splits
+its cells into simplices with edges up to r), and its samples, taken from the multilinear
+interpolant, are themselves off by n K / 8.
 
 *labels.* What is known of a crossing is its edge: a vertex in the middle is off by half a cell,
 more than its share of the variance. A vertex of `cells` may be anywhere in its cell, through which
@@ -52,7 +53,9 @@ of length L that meets the ball of radius R reaches rho^2 / r^3 (rho from the ce
 r to the point), which is less than 1 / sqrt(R^2 - 2 L^2) for R >= 2 L. Between points of the mesh
 the depth is delta at most and phi'' <= 1 / (R - delta). So with
 delta = c / min(sqrt(R^2 - 2 L^2), R - delta), and where the second is smaller
-delta = (R - sqrt(R^2 - 4 c)) / 2. L is 1 for edges of the lattice, sqrt(n) b for edges of a split.
+delta = (R - sqrt(R^2 - 4 c)) / 2. L is 1 for edges of the lattice, sqrt(n) b for edges of a split,
+r for `own`. Where that has no solution (labels seen through steps of three cells), what is left is
+that the body runs through the block that is averaged: delta is the block's diameter.
 
 *Several functions.* Each is off by its own delta_i, the distance by sqrt(sum delta_i^2).
 
@@ -136,7 +139,7 @@ class Body:
         return np.stack(parts, axis=-1)
 
     def points(self, count: int) -> Floats:
-        """(P, n) points of the body, about `count`: points of the box, moved along the gradients."""
+        """(P, n) points of the body, about `count`: points of the box moved along the gradients."""
         rng = np.random.default_rng(11)
         place = rng.uniform(0, np.array(self.shape) - 1.0, (count, self.n))
         for _ in range(3):
@@ -180,14 +183,14 @@ def bounds(
     ----------
     radii : R_i of each function, in cells
     n : dimension of the lattice
-    reach : r, the largest step of an `own` lattice, in cells
+    reach : r, the largest distance between neighbouring samples of an `own` lattice, in cells
     block : b, cells an axis of the block that a split (`tetrahedra`) repeats
     rounding : epsilon, the rounding of the samples over the gradient, in cells
 
     Raises
     ------
     ValueError
-        for a radius too small for any bound, or a word that is not known
+        for a word that is not known
 
     >>> round(bounds("multilinear", "edges", [600.0], 3).largest * 600, 3)
     0.375
@@ -196,30 +199,28 @@ def bounds(
     """
     if interpolant not in ("multilinear", "tetrahedra", "labels"):
         raise ValueError(f"no interpolant {interpolant!r}: multilinear, tetrahedra or labels")
-    c, added = _chord(vertices, n, reach, block), rounding
-    length = 1.0
-    if interpolant == "tetrahedra":
-        length = sqrt(n) * block
-    if vertices == "own":
-        length = sqrt(n) * reach
+    c, diameter = _block(vertices, n, reach, block)
+    length = {"own": reach}.get(vertices, sqrt(n) * block if interpolant == "tetrahedra" else 1.0)
+    added = rounding
     if interpolant == "labels":
         added = _mislabelled(vertices, n, reach)
-    each = [_offset(c, R, length, added) for R in radii]
+    each = [min(_offset(c, R, length, added), diameter + rounding) for R in radii]
     delta, least = sqrt(sum(one**2 for one in each)), min(radii)
     stretch = 1.0
     if len(radii) == 1:
-        stretch = ((1 + delta / least) / (1 - delta / least)) ** (n - 1)
+        near = delta < least
+        stretch = ((1 + delta / least) / (1 - delta / least)) ** (n - 1) if near else inf
     return Bounds(delta * stretch, delta)
 
 
-def _chord(vertices: Vertices, n: int, reach: float, block: int) -> float:
-    """c: delta is c K, half the largest variance."""
+def _block(vertices: Vertices, n: int, reach: float, block: int) -> tuple[float, float]:
+    """c, half the largest variance in the block that is averaged, and the block's diameter."""
     if vertices == "edges":
-        return n * block**2 / 8
+        return n * block**2 / 8, sqrt(n) * block
     if vertices == "cells":
-        return (4 * n - 3) / 8
+        return (4 * n - 3) / 8, sqrt(4 * n - 3)
     if vertices == "own":
-        return n * (reach**2 + 1) / 8
+        return n * (reach**2 + 1) / 8, sqrt(n) * (reach + 1)
     raise ValueError(f"no placing of vertices {vertices!r}: edges, cells or own")
 
 
@@ -229,12 +230,12 @@ def _mislabelled(vertices: Vertices, n: int, reach: float) -> float:
 
 
 def _offset(c: float, R: float, length: float, added: float) -> float:
-    """delta = c K + added, the least that satisfies the bound of K."""
+    """The least c K + added that satisfies the bound of K; infinite where there is none."""
     if R == inf:
         return added
     inner, rest = R**2 - 2 * length**2, (R - added) ** 2 - 4 * c
     if R < 2 * length or inner <= 0 or rest <= 0:
-        raise ValueError(f"a radius of {R} cells is too small for steps of {length:.3g} cells")
+        return inf
     return max(c / sqrt(inner) + added, (R + added - sqrt(rest)) / 2)
 
 

@@ -29,13 +29,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from math import factorial
+from typing import Any
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.oracles.bodies import Body, Bounds
 
-POINTS = 3000
+POINTS = 2000
 """About how many points of a body are held against a mesh."""
 
 
@@ -73,15 +74,16 @@ def measures(vertices: Floats, simplices: Integers, body: Body) -> Measures:
         nowhere = np.full(body.n, np.nan)
         infinite = float("inf")
         return Measures(0, 0, 0, 0.0, 0.0, nowhere, infinite, infinite, infinite, 0.0)
-    samples, weights = barycentric(vertices, simplices)
-    away = body.distance(samples.reshape(-1, body.n)).reshape(samples.shape[:2])
+    inner = middles(vertices, simplices)
+    away = body.distance(inner.reshape(-1, body.n)).reshape(inner.shape[:2])
+    at_corners = body.distance(vertices[np.unique(simplices)])
     if body.m == 1:
         volume, centroid = enclosed(vertices, simplices)
         mean = abs(volume - (body.volume or 0.0)) / total if total else float("inf")
     else:
         shares = sizes / total if total else np.full(len(sizes), 1 / len(sizes))
         centroid = np.asarray(shares @ vertices[simplices].mean(axis=1))
-        mean = float(shares @ (away @ weights))
+        mean = float(shares @ away[:, -1])
     return Measures(
         pieces(simplices),
         shells(simplices),
@@ -90,13 +92,15 @@ def measures(vertices: Floats, simplices: Integers, body: Body) -> Measures:
         volume,
         centroid,
         mean,
-        float(away.max()),
-        float(distances(body.points(POINTS), vertices, simplices).max()),
+        float(max(away.max(), at_corners.max())),
+        farthest(body.points(POINTS), vertices, simplices),
         degree(vertices, simplices, body),
     )
 
 
-def disagreements(found: Measures, body: Body, allowed: Bounds) -> Mapping[str, tuple[float, float]]:
+def disagreements(
+    found: Measures, body: Body, allowed: Bounds
+) -> Mapping[str, tuple[float, float]]:
     """Each number that is not the body's: what was found, and what is right or allowed at most."""
     wrong: dict[str, tuple[float, float]] = {}
     for name, right in (("pieces", body.pieces), ("shells", body.pieces), ("b1", body.b1)):
@@ -124,7 +128,18 @@ def distinct(simplices: Integers) -> Integers:
     """The simplices as sets of vertices, each once, without those that repeat a vertex."""
     rows = np.sort(simplices, axis=1)
     rows = rows[(np.diff(rows, axis=1) != 0).all(axis=1)]
-    return np.unique(rows, axis=0)
+    _, first, _ = _named(rows)
+    return rows[first]
+
+
+def _named(rows: Integers) -> tuple[Integers, Integers, Integers]:
+    """A number for each row, the same for equal ones; where each first stands; how often."""
+    order = np.lexsort(rows.T)
+    new = np.ones(len(rows), bool)
+    new[1:] = (np.diff(rows[order], axis=0) != 0).any(axis=1)
+    name = np.empty(len(rows), np.int64)
+    name[order] = np.cumsum(new) - 1
+    return name, order[new], np.bincount(name, minlength=int(new.sum()))
 
 
 def pieces(simplices: Integers) -> int:
@@ -145,8 +160,8 @@ def shells(simplices: Integers) -> int:
     # Find who owns each facet.
     facets = np.concatenate([np.delete(rows, i, axis=1) for i in range(k + 1)])
     owner = np.tile(np.arange(len(rows)), k + 1)
-    _, name, uses = np.unique(facets, axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(name.ravel(), kind="stable")
+    name, _, uses = _named(facets)
+    order = np.argsort(name, kind="stable")
     start = np.cumsum(uses) - uses
     # Join the two owners of a facet to sheets.
     two = start[uses == 2]
@@ -218,18 +233,13 @@ def enclosed(vertices: Floats, simplices: Integers) -> tuple[float, Floats]:
     return volume, np.asarray(middle + cones @ corners.sum(axis=1) / (n + 1) / volume)
 
 
-def barycentric(vertices: Floats, simplices: Integers) -> tuple[Floats, Floats]:
-    """(S, Q, n) points of each simplex, and the weights (Q,) of a mean over it.
-
-    Corners, middles of edges and the centroid; the mean is the centroid's, exact to first order.
-    """
-    size = simplices.shape[1]
-    rows = [*np.eye(size)]
-    rows += [(rows[i] + rows[j]) / 2 for i, j in combinations(range(size), 2)]
-    rows.append(np.full(size, 1 / size))
-    weights = np.zeros(len(rows))
-    weights[-1] = 1.0
-    return np.einsum("qc,scn->sqn", np.array(rows), vertices[simplices]), weights
+def middles(vertices: Floats, simplices: Integers) -> Floats:
+    """(S, Q, n) the middles of the edges of each simplex, and last its centroid."""
+    corners = vertices[simplices]
+    edges = [
+        (corners[:, i] + corners[:, j]) / 2 for i, j in combinations(range(corners.shape[1]), 2)
+    ]
+    return np.stack([*edges, corners.mean(axis=1)], axis=1)
 
 
 def degree(vertices: Floats, simplices: Integers, body: Body) -> float:
@@ -238,38 +248,83 @@ def degree(vertices: Floats, simplices: Integers, body: Body) -> float:
     k = simplices.shape[1] - 1
     if k == 0:
         return len(simplices) / body.measure
-    frame = np.concatenate([-body.gradients(corners.mean(axis=1)), np.diff(corners, axis=1)], axis=1)
+    frame = np.concatenate(
+        [-body.gradients(corners.mean(axis=1)), np.diff(corners, axis=1)], axis=1
+    )
     return float(np.linalg.det(frame).sum() / factorial(k) / body.measure)
 
 
 # -- distances -------------------------------------------------------------------------------------
 
 
-def distances(points: Floats, vertices: Floats, simplices: Integers) -> Floats:
-    """(P,) the distance of each point from the nearest simplex.
+def farthest(points: Floats, vertices: Floats, simplices: Integers) -> float:
+    """The largest distance of a point from the mesh.
 
-    A simplex is no nearer than its centroid less the largest radius about a centroid: candidates
-    are taken in order of their centroids until no other can be nearer.
+    A few simplices give each point an upper bound; points are made exact in the order of their
+    bounds, until the next bound is no larger than what was found.
     """
-    from scipy.spatial import cKDTree
-
-    corners = vertices[simplices]
-    centroids = corners.mean(axis=1)
-    largest = float(np.linalg.norm(corners - centroids[:, None], axis=2).max())
-    tree = cKDTree(centroids)
-    found, open_, count = np.full(len(points), np.inf), np.arange(len(points)), 8
-    while len(open_):
-        count = min(count, len(simplices))
-        away, near = tree.query(points[open_], k=count)
-        away, near = away.reshape(len(open_), count), near.reshape(len(open_), count)
-        repeated = np.repeat(points[open_], count, axis=0)
-        each = to_simplices(repeated, corners[near.ravel()]).reshape(len(open_), count)
-        found[open_] = each.min(axis=1)
-        if count == len(simplices):
+    search = Search.of(vertices, simplices)
+    most = search.few(points)
+    order, found = np.argsort(-most), 0.0
+    for start in range(0, len(points), BATCH):
+        batch = order[start : start + BATCH]
+        if most[batch[0]] <= found:
             break
-        open_ = open_[away[:, -1] - largest < found[open_]]
-        count *= 2
+        found = max(found, float(search.distances(points[batch]).max()))
     return found
+
+
+FEW, BATCH = 8, 32
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The nearest simplices to points, by their centroids.
+
+    largest : the largest radius of a simplex about its centroid
+    """
+
+    corners: Floats
+    tree: Any
+    largest: float
+
+    @classmethod
+    def of(cls, vertices: Floats, simplices: Integers) -> Search:
+        """The search in a mesh that has simplices."""
+        from scipy.spatial import cKDTree
+
+        corners = vertices[simplices]
+        centroids = corners.mean(axis=1)
+        radius = np.linalg.norm(corners - centroids[:, None], axis=2).max()
+        return cls(corners, cKDTree(centroids), float(radius))
+
+    def few(self, points: Floats) -> Floats:
+        """(P,) an upper bound of the distance of each point from the mesh."""
+        return self._nearest(points, min(FEW, len(self.corners)))[0]
+
+    def distances(self, points: Floats) -> Floats:
+        """(P,) the distance of each point from the nearest simplex.
+
+        A simplex is no nearer than its centroid less the largest radius: candidates are taken in
+        the order of their centroids until no other can be nearer.
+        """
+        found, open_, count = np.full(len(points), np.inf), np.arange(len(points)), FEW
+        while len(open_):
+            count = min(count, len(self.corners))
+            found[open_], last = self._nearest(points[open_], count)
+            if count == len(self.corners):
+                break
+            open_ = open_[last - self.largest < found[open_]]
+            count *= 4
+        return found
+
+    def _nearest(self, points: Floats, count: int) -> tuple[Floats, Floats]:
+        """The least distance from the `count` nearest by centroid, and the last centroid's."""
+        away, near = self.tree.query(points, k=count)
+        repeated = np.repeat(points, count, axis=0)
+        each = to_simplices(repeated, self.corners[np.ravel(near)])
+        least = each.reshape(len(points), count).min(axis=1)
+        return np.asarray(least), np.reshape(away, (len(points), count))[:, -1]
 
 
 def to_simplices(points: Floats, corners: Floats) -> Floats:
