@@ -22,9 +22,9 @@ How far a right mesh may be from its body
 Taylor's formula at p,  |sum mu_j phi(x_j) - phi(p)| <= K/2 sum mu_j |x_j - p|^2, which is K/2 times
 the sum over the axes of the variance of that coordinate. A vertex at the linear crossing of an
 edge, at the fraction t, is off by K/2 t (1 - t) at most: the average of the two ends, with the
-variance t (1 - t). Averages of averages add up: a point of a simplex whose vertices are such crossings is an
-average of corners of the cell, and a coordinate that takes only the values 0 and 1 has the variance
-p (1 - p) <= 1/4. So whatever a mesh averages inside one cell,
+variance t (1 - t). Averages of averages add up: a point of a simplex whose vertices are such
+crossings is an average of corners of the cell, and a coordinate that takes only the values 0 and 1
+has the variance p (1 - p) <= 1/4. So whatever a mesh averages inside one cell,
 
     |phi(p)| <= K/2 sum over axes of p_a (1 - p_a) <= n K / 8                            (edges)
 
@@ -421,7 +421,7 @@ def known_bodies(n: int, m: int, odd: int = 0) -> list[Body]:
         return tuple(2**e + odd for e in exponents)
 
     def middle(shape: tuple[int, ...]) -> Floats:
-        return (np.array(shape) - 1) / 2 + np.array(OFFSET[n])
+        return np.asarray((np.array(shape) - 1) / 2 + np.array(OFFSET[n]), np.float64)
 
     def made(name: str, shape: tuple[int, ...], *factors: tuple[int, float]) -> Body:
         frame = TILTED.get(n) if prod(shape) == shape[0] ** n else None

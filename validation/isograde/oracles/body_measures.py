@@ -129,7 +129,7 @@ def distinct(simplices: Integers) -> Integers:
     rows = np.sort(simplices, axis=1)
     rows = rows[(np.diff(rows, axis=1) != 0).all(axis=1)]
     _, first, _ = _named(rows)
-    return rows[first]
+    return np.asarray(rows[first])
 
 
 def _named(rows: Integers) -> tuple[Integers, Integers, Integers]:
