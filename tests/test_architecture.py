@@ -15,7 +15,7 @@ GRADER = ROOT / "validation" / "isograde"
 WORDS = {"isoref.field", "isoref.mesh"}
 # The adapters and the command reach the reference as one more implementation; the proof takes a
 # rule of the reference as what it judges.
-MAY_REACH_THE_REFERENCE = {"adapters", "command.py", "commands", "proof.py"}
+MAY_REACH_THE_REFERENCE = {"adapters", "command.py", "commands", "proof"}
 EXTRAS = (
     "mcubes",
     "vtk",

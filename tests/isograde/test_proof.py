@@ -1,46 +1,43 @@
 """The proof by enumeration: it holds for the rules that are closed, and nothing else passes it."""
 
-from collections.abc import Callable
+import re
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
 from isograde.command import app
 from isograde.oracles.halfedges import Surface
-from isograde.proof import Proof, corner_place, node_place, prove, tears_by_face
+from isograde.proof import Check, Proof, prove
+from isograde.proof.certificate import certificate
+from isograde.proof.loading import RuleError, load_rule
+from isograde.proof.meetings import tears_by_face
+from isograde.proof.tiles import cases, corner_place, node_place
 from isoref.asymptotic_decider import RULE as ASYMPTOTIC
 from isoref.cube import ambiguous_faces
-from isoref.cycles import ALL_JOINED, cycles
 from isoref.fast.sweep import sweep
-from isoref.field import Field, Floats, Integers
+from isoref.field import Field
 from isoref.lorensen_cline import RULE as LORENSEN_CLINE
 from isoref.methods import RULES
-from isoref.rule import Average, Rule, Tile
 from typer.testing import CliRunner
 
+from tests.isograde.wrong_rules import WRONG
 
-@pytest.mark.parametrize("name", sorted(set(RULES) - {"lorensen-cline", "trilinear-cubes"}))
+
+@pytest.mark.parametrize("name", sorted(set(RULES) - {"lorensen-cline"}))
 def test_holds(name: str) -> None:
     """Every rule of the catalogue but the table of 1987 is closed on every field."""
-    proof = prove(RULES[name], pairs=3000)
+    rule = RULES[name]
+    proof = prove(rule, trials=3000)
     assert proof.holds, proof.text()
-    bits = RULES[name].bits
-    assert proof.tiles == sum(
-        2 ** len(ambiguous_faces(signs)) if bits else 1 for signs in range(256)
+    inner = 2 ** max(rule.bits - 6, 0)
+    assert proof.tiles.keys() == set(cases(rule))
+    assert len(proof.tiles) == sum(
+        2 ** len(ambiguous_faces(signs)) * inner if rule.asks(signs) else 1 for signs in range(256)
     )
-    assert proof.tried == (3000 if RULES[name].bits else 0)
-
-
-@pytest.mark.slow
-def test_holds_for_trilinear_cubes() -> None:
-    """With two more bits for tunnels, every one of them enumerated."""
-    proof = prove(RULES["trilinear-cubes"], pairs=3000)
-    assert proof.holds, proof.text()
-    rule = RULES["trilinear-cubes"]
-    assert proof.tiles == sum(
-        4 * 2 ** len(ambiguous_faces(signs)) if rule.asks(signs) else 1 for signs in range(256)
-    )
+    assert (proof.trials >= 3000) == bool(rule.bits)
+    assert ("Given that" in proof.sentence) == bool(rule.bits)
 
 
 def test_the_positions_are_those_of_the_sweep() -> None:
@@ -62,10 +59,9 @@ def test_the_table_of_1987_tears_where_a_sweep_tears() -> None:
     them are swept, on each axis.
     """
     proof = prove(LORENSEN_CLINE)
-    assert not proof.holds
-    assert not proof.faults
-    assert len(tears_by_face(proof)) == 6
-    listed = {(t.axis, t.low.cell.signs, t.high.cell.signs) for t in proof.tears}
+    assert proof.broken == ("condition 3",)
+    assert len(tears_by_face(proof.tears)) == 6
+    listed = {(t.axis, t.low.cell.case.signs, t.high.cell.case.signs) for t in proof.tears}
     assert len(listed) == len(proof.tears)
     assert listed == {
         (axis, *pair) for axis in range(3) for pair in ambiguous_pairs(axis) if torn(axis, *pair)
@@ -98,104 +94,121 @@ def torn(axis: int, low: int, high: int) -> bool:
     return bool(between.any())
 
 
-Change = Callable[[Tile], Tile]
-
-
-def spoiled(change: Change, base: Rule = ASYMPTOTIC) -> Rule:
-    """The rule with every tile changed."""
-    return replace(base, tile=lambda signs, decisions: change(base.tile(signs, decisions)))
-
-
-def turned(tile: Tile) -> Tile:
-    """Every triangle the other way round."""
-    return replace(tile, triangles=tuple((c, b, a) for a, b, c in tile.triangles))
-
-
-def shortened(tile: Tile) -> Tile:
-    """The last triangle missing."""
-    return replace(tile, triangles=tile.triangles[:-1])
-
-
-def doubled(tile: Tile) -> Tile:
-    """The first triangle there twice."""
-    return replace(tile, triangles=tile.triangles + tile.triangles[:1])
-
-
-def collapsed(tile: Tile) -> Tile:
-    """The first triangle names a node twice."""
-    a, b, _ = tile.triangles[0] if tile.triangles else (0, 0, 0)
-    return replace(tile, triangles=(*tile.triangles, (a, b, b))) if tile.triangles else tile
-
-
-def fans_on_faces(signs: int, decisions: int) -> Tile:
-    """Every polygon a fan from its first node, whatever face its chords lie on."""
-    triangles = []
-    for polygon in cycles(signs, ALL_JOINED):
-        triangles += [(polygon[0], p, q) for p, q in pairwise(polygon[1:])]
-    return Tile(tuple(triangles))
-
-
-def one_middle(signs: int, decisions: int) -> Tile:
-    """Every polygon round one and the same interior point."""
-    polygons = cycles(signs, decisions)
-    triangles = [(a, b, 12) for p in polygons for a, b in zip(p, p[1:] + p[:1], strict=True)]
-    return Tile(tuple(triangles), (Average((0,)),))
-
-
-@pytest.mark.parametrize(
-    ("rule", "reason"),
-    [
-        (spoiled(turned), "inside on its left"),
-        (spoiled(shortened), "not on the crossed lattice edges"),
-        (spoiled(doubled), "twice in one direction"),
-        (spoiled(collapsed), "names a node twice"),
-        (Rule("fans", fans_on_faces), "both have the chord"),
-        (replace(ASYMPTOTIC, tile=one_middle), "not one fan"),
-    ],
-    ids=["turned", "shortened", "doubled", "collapsed", "chords", "one middle"],
-)
-def test_each_statement_is_needed(rule: Rule, reason: str) -> None:
-    """A rule spoiled in one way is refused, and the proof says why."""
-    proof = prove(rule, pairs=300)
+@pytest.mark.parametrize("kind", WRONG)
+def test_wrong_rules_are_refused_with_the_check_they_break(kind: str) -> None:
+    """Each premise and each condition has a rule that breaks it, and says so in words."""
+    wrong = WRONG[kind]
+    proof = prove(wrong.rule, trials=2500)
     assert not proof.holds
-    assert any(reason in fault for fault in proof.faults)
-    assert "Not proved" in proof.text()
+    assert wrong.check in proof.broken
+    faults = [
+        fault for check in proof.checks for fault in check.faults if check.name == wrong.check
+    ]
+    assert any(wrong.words in fault for fault in faults), faults
+    assert f"Not proved: {', '.join(proof.broken)}." in proof.text()
+    assert "Proved." not in proof.text()
+    with pytest.raises(ValueError, match="no certificate"):
+        certificate(proof)
 
 
-def test_decisions_must_belong_to_the_face() -> None:
-    """A decision by the whole cell's mean is refused, and named with the values."""
-
-    def by_cell(g: Floats) -> Integers:
-        bits = ASYMPTOTIC.decisions(g)
-        amended: Integers = np.where(g.mean(axis=0) > 0, bits, 0)
-        return amended
-
-    proof = prove(replace(ASYMPTOTIC, decisions=by_cell), pairs=3000)
-    assert not proof.tears
-    assert any("differently" in fault for fault in proof.faults)
+def test_each_check_has_a_wrong_rule() -> None:
+    """No premise or condition is there for show."""
+    names = {check.name for check in prove(ASYMPTOTIC, trials=1).checks}
+    assert len(names) == 11
+    assert {wrong.check for wrong in WRONG.values()} == names
 
 
-def test_the_command_proves_or_says_what_tears() -> None:
-    """`isograde prove`: exit 0 with the result, 1 with the list of tears, 2 for no such rule."""
+@pytest.mark.parametrize("kind", ["a mean in walk order", "a saddle by division"])
+def test_what_the_trials_find_is_open_on_data_of_one_decimal(kind: str) -> None:
+    """The rounded decisions are no matter of taste: their meshes have open edges."""
+    rng = np.random.default_rng(1)
+    found = 0
+    for _ in range(40):
+        values = np.pad(rng.integers(-9, 10, (12, 12, 12)) / 10, 1, constant_values=-1.0)
+        mesh = sweep(WRONG[kind].rule, Field.of(values), 0.1)
+        found += len(Surface.of(mesh.vertices, mesh.simplices).open_edges)
+    assert found > 0
+
+
+def test_a_rule_is_not_blamed_for_what_nobody_decides() -> None:
+    """Bits that only the cell uses, or a rule that is never asked, break no premise."""
+    never = replace(ASYMPTOTIC, asks=lambda signs: False)
+    proof = prove(never, trials=300)
+    assert proof.holds, proof.text()
+    assert proof.trials == 0
+    assert "Given that" not in proof.text()
+
+
+def test_the_proof_says_how_each_premise_was_checked_and_what_it_proved() -> None:
+    """The sentence has its condition, "by index", ties, and what is not claimed."""
+    text = prove(ASYMPTOTIC, trials=300).text()
+    assert text.count("checked ") == 11
+    assert "by trial and not by proof" in text
+    assert "Given that a decision on a face is a function of the face's four values" in text
+    assert "by index" in text
+    assert "vertices of different numbers may coincide" in text
+    assert "Not claimed" in text
+
+
+def test_faults_are_cut_short_and_counted() -> None:
+    """The first few of each kind, and how many more; never a proof beside them."""
+    faulty = Check("tiles", "There are tiles.", "by looking", tuple(f"fault {n}" for n in range(5)))
+    proof = Proof("rule", 0, (), (faulty,))
+    assert not proof.holds
+    assert proof.text(shown=3).splitlines()[-4:-1] == [
+        "    - fault 1",
+        "    - fault 2",
+        "    and 2 more",
+    ]
+    assert not Proof("rule", 0, (), ()).holds
+    assert not Proof("rule", 0, (), (Check("tiles", "", "", reached=False),)).holds
+
+
+def test_the_command_proves_or_says_what_tears(tmp_path: Path) -> None:
+    """`isograde prove`: 0 with the result, 1 with what is wrong, 2 for no such rule."""
     run = CliRunner().invoke
-    proved = run(app, ["prove", "marching-vesta-connect-H", "--why"])
+    file = tmp_path / "one.json"
+    proved = run(app, ["prove", "marching-vesta-connect-H", "--why", "--certificate", str(file)])
     assert proved.exit_code == 0
     assert "The argument" in proved.output
-    assert "manifold on every field" in proved.output
+    assert "Proved. On every field" in proved.output
+    assert file.exists()
     torn_rule = run(app, ["prove", "lorensen-cline", "--shown", "3"])
     assert torn_rule.exit_code == 1
     assert "660 pairs of cells tear" in torn_rule.output
-    assert torn_rule.output.count("below draws") == 3
+    assert torn_rule.output.count("below draws") == 2
+    assert "and 658 more" in torn_rule.output
     assert run(app, ["prove", "no-such-rule"]).exit_code == 2
 
 
-def test_a_proof_in_words_says_what_holds_or_the_first_faults_and_how_many_more() -> None:
-    """Never both."""
-    whole = Proof("rule", 256, 3, (), (), 0)
-    assert whole.holds
-    assert whole.text().endswith("Closed, oriented and manifold on every field.")
-    faulty = Proof("rule", 256, 3, (), tuple(f"fault {n}" for n in range(5)), 7)
-    assert "compared on 7 pairs" in faulty.text()
-    assert "Closed" not in faulty.text()
-    assert faulty.text(shown=3).splitlines()[-3:] == ["  fault 1", "  fault 2", "  and 2 more"]
-    assert faulty.text(shown=5).endswith("  fault 4")
+def test_anybodys_rule_can_be_proved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`python:module:RULE`, from the working directory or by a file's name."""
+    (tmp_path / "my_rule.py").write_text(
+        "from types import SimpleNamespace\n"
+        "from isoref.asymptotic_decider import tile\n"
+        "from isoref.rule import no_decisions\n"
+        "RULE = SimpleNamespace(name='mine', tile=tile, decisions=no_decisions, bits=0,\n"
+        "                       asks=lambda signs: False)\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    run = CliRunner().invoke
+    for place in ("my_rule", "my_rule.py", str(tmp_path / "my_rule.py")):
+        done = run(app, ["prove", f"python:{place}:RULE"])
+        assert done.exit_code == 0, done.output
+        assert "the mesh of mine is closed" in done.output
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        ("asymptotic", "did you mean asymptotic-decider?"),
+        ("python:isoref.asymptotic_decider", "is not of the form"),
+        ("python:isoref.asymptotic_decider:RULES", "rules there: RULE"),
+        ("python:no_such_module:RULE", "No module named"),
+        ("python:no_such_file.py:RULE", "no such file"),
+    ],
+)
+def test_a_rule_that_is_not_there_is_said_so(spec: str, words: str) -> None:
+    """What was wrong, and what there is."""
+    with pytest.raises(RuleError, match=re.escape(words)):
+        load_rule(spec)

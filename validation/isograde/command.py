@@ -6,7 +6,6 @@ implementation did not start, 4 nothing was judged that could have failed.
 
 from __future__ import annotations
 
-import inspect
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -16,7 +15,7 @@ import typer
 from isoref.methods import RULES
 from rich.markup import escape
 
-from isograde.commands.console import Exit, close_to, console, errors, say, stop
+from isograde.commands.console import Exit, console, errors, say, stop
 from isograde.model import Limits, Verdict
 
 app = typer.Typer(
@@ -226,20 +225,22 @@ def extract(
 
 @app.command(name="prove")
 def prove_(
-    rule: Annotated[str, typer.Argument(metavar="RULE", help=f"{', '.join(RULES)}.")],
+    rule: Annotated[
+        str, typer.Argument(metavar="RULE", help=f"{', '.join(RULES)}, or python:module:RULE.")
+    ],
     why: Annotated[bool, typer.Option("--why", help="Also print the argument.")] = False,
-    shown: Annotated[int, typer.Option(help="How many pairs that tear to list.")] = 8,
+    shown: Annotated[int, typer.Option(min=0, help="How many faults of a kind to list.")] = 8,
+    trials: Annotated[
+        int, typer.Option(min=1, help="On how many pairs of cells to try the decisions.")
+    ] = 60_000,
+    certificate: Annotated[
+        Path | None, typer.Option(help="A file for what was enumerated, to be checked by anyone.")
+    ] = None,
 ) -> None:
-    """Prove by enumeration that a rule of isoref is closed and manifold on every field."""
-    if rule not in RULES:
-        stop(Exit.WRONG_USE, f"no rule {rule!r}; {close_to(rule, RULES)}")
-    from isograde import proof
+    """Prove by enumeration that a cube rule is closed and manifold on every field."""
+    from isograde.commands import proving
 
-    if why:
-        console.print(inspect.getdoc(proof), end="\n\n", markup=False)
-    found = proof.prove(RULES[rule])
-    console.print(found.text(shown), markup=False, soft_wrap=True)
-    raise typer.Exit(Exit.HOLDS if found.holds else Exit.FAILS)
+    proving.prove(rule, why, shown, trials, certificate)
 
 
 def main() -> None:
