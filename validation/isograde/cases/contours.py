@@ -1,4 +1,8 @@
-"""Fields in the plane: known shapes, every square, every saddle, noise, ties and constants."""
+"""Fields in the plane: known shapes, every square, every saddle, noise, ties and constants.
+
+Facts: "closed" and "open", how many curves there are; "area", what the closed ones enclose, in
+squares, to within "tolerance".
+"""
 
 from __future__ import annotations
 
@@ -7,34 +11,34 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from isoref.field import Field
+from isoref.field import Field, Floats
 
-from isograde.model import Case
-from isograde.oracles.planar import Points
+from isograde.model import CONTOURS, Case
 
 
 def cases(seed: int = 0) -> list[Case]:
-    """Every case of the discipline, deterministic for a seed."""
+    """Every case, deterministic for a seed."""
     listed = [
-        _case("disc", _disc, 0.0, {"generic", "known"}, _round(2.5, 0.3, closed=1)),
-        _case("annulus", _annulus, 0.0, {"generic", "known"}, _annular()),
-        _case("two-discs", _two_discs, 0.0, {"generic", "known"}, _round(1.5, 0.3, closed=2)),
-        _case("border", _border, 0.0, {"generic", "open"}, {"closed": 0, "open": 2}),
-        _case("waves", partial(_waves, seed), 0.1, {"generic"}, {}),
-        _case("noise", partial(_noise, seed), 0.05, {"generic"}, {}),
-        _case("narrow", partial(_narrow, seed), 0.0, {"generic"}, {}),
-        _case("bytes", partial(_bytes, seed), 99.5, {"generic"}, {}),
-        _case("integers", _integers, 9.0, {"ties"}, {}),
-        _case("constant", _constant, 0.5, {"empty"}, {}),
-        _case("at-the-constant", _constant, 1.0, {"empty"}, {}),
-        _case("out-of-range", _integers, 1000.0, {"empty"}, {}),
+        _case("disc", _disc, 0.0, PLANE, "known posed", _round(2.5, 0.3, closed=1)),
+        _case("annulus", _annulus, 0.0, PLANE, "known", _annular()),
+        _case("two-discs", _two_discs, 0.0, PLANE, "known", _round(1.5, 0.3, closed=2)),
+        _case("border", _border, 0.0, PLANE, "known", {"closed": 0, "open": 2}),
+        _case("waves", partial(_waves, seed), 0.1, PLANE, "posed"),
+        _case("noise", partial(_noise, seed), 0.05, (16, 19), "posed noise"),
+        _case("narrow", partial(_narrow, seed), 0.0, (2, 24), "posed noise"),
+        _case("bytes", partial(_bytes, seed), 99.5, (14, 12), "posed noise"),
+        _case("integers", _integers, 9.0, (9, 9), "ties posed"),
+        _case("constant", _constant, 0.5, (5, 6), "empty"),
+        _case("at-the-constant", _constant, 1.0, (5, 6), "empty"),
+        _case("out-of-range", _integers, 1000.0, (9, 9), "empty"),
     ]
     for signs in range(16):
-        listed.append(_case(f"square-{signs:04b}", partial(_square, signs), 0.0, {"generic"}, {}))
+        listed.append(_case(f"square-{signs:04b}", partial(_square, signs), 0.0, (2, 2), "cells"))
     for mean in (False, True):
         for saddle in (False, True):
             name = f"saddle-{'mean-in' if mean else 'mean-out'}-{'in' if saddle else 'out'}"
-            listed.append(_case(name, partial(_saddle, mean, saddle), 0.0, {"generic"}, {}))
+            build = partial(_saddle, mean, saddle)
+            listed.append(_case(name, build, 0.0, (2, 2), "cells posed"))
     return listed
 
 
@@ -42,18 +46,22 @@ def _case(
     name: str,
     build: Callable[[], Field],
     isovalue: float,
-    tags: set[str],
-    facts: Mapping[str, Any],
+    shape: tuple[int, int],
+    tags: str,
+    facts: Mapping[str, Any] | None = None,
 ) -> Case:
-    """A case of this discipline."""
-    size = build().values.size
-    return Case(
-        f"contours/{name}", build, isovalue, size, frozenset({"contours", *tags}), dict(facts)
-    )
+    """The case of this name; `tags` are separated by spaces."""
+    labels = frozenset({"contours", *tags.split()})
+    samples = int(np.prod(shape))
+    return Case(f"contours/{name}", build, (isovalue,), samples, labels, facts or {}, CONTOURS)
 
 
-def _plane(n1: int = 25, n2: int = 29) -> tuple[Points, Points, tuple[float, float]]:
+PLANE = (25, 29)
+
+
+def _plane() -> tuple[Floats, Floats, tuple[float, float]]:
     """Coordinates over -3.6 to 3.6 and -4.2 to 4.2 in squares of 0.3."""
+    n1, n2 = PLANE
     x, y = np.meshgrid(
         0.3 * (np.arange(n1) - (n1 - 1) / 2), 0.3 * (np.arange(n2) - (n2 - 1) / 2), indexing="ij"
     )
@@ -161,10 +169,3 @@ def _saddle(mean: bool, saddle: bool) -> Field:
     }[mean, saddle]
     return Field.of([[a, -b], [-c, d]])
 
-
-def pose(variant: str, case: Case, field: Field) -> Field:
-    """The field of a variant: ``plain`` or ``transposed``."""
-    if variant == "transposed":
-        values = np.ascontiguousarray(field.values.T)
-        return Field.of(values, field.spacing[::-1], field.origin[::-1])
-    return field

@@ -1,0 +1,156 @@
+"""Known bodies come out of every correct extractor, of any family and kind, and out of no cheat."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.cases import all_cases
+from isograde.claims.bodies import CLAIMS
+from isograde.declaration import declaration_from
+from isograde.model import Case, Kind, Verdict
+from isoref.fast import simplicial
+from isoref.field import Field
+
+from tests.isograde.cheats import EMPTY_HANDED
+from tests.isograde.families import CORRECT
+from tests.isograde.judging import verdicts
+
+KINDS = [[n, m] for n in range(2, 6) for m in range(1, n + 1)]
+
+
+def bodies(kind: Kind, part: str = "") -> list[Case]:
+    """The bodies of a kind that are run by default and have this in their names."""
+    return [
+        case
+        for case in all_cases().values()
+        if "bodies" in case.tags
+        and "full" not in case.tags
+        and case.kind == kind
+        and part in case.id
+    ]
+
+
+def on_kuhn(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+    """The level set on Kuhn's simplices, of any kind."""
+    mesh = simplicial.extract(Field.of(values, spacing, dimension=len(spacing)), isovalue)
+    return mesh.vertices, mesh.simplices
+
+
+def judged(
+    function: Callable[..., Any], says: dict[str, Any], cases: list[Case]
+) -> dict[str, Counter[Verdict]]:
+    """The verdicts of the claims on bodies."""
+    assert cases
+    return verdicts(function, declaration_from(says, "tried"), cases, "bodies.")
+
+
+SURFACES = bodies(Kind(3, 1), "sphere-1")
+
+
+def test_the_plan_has_two_topologies_both_types_and_both_sizes_of_every_kind() -> None:
+    """isograde design: at least two topologies, floats and bytes, cubes of 2^k and 2^k + 1."""
+    kinds = {case.kind for case in all_cases().values() if "bodies" in case.tags}
+    assert {(2, 1), (3, 1), (3, 2), (4, 2), (2, 2)} <= kinds
+    for kind in kinds:
+        planned = bodies(kind)
+        known = [case.facts["body"] for case in planned]
+        assert len({(body.pieces, body.b1) for body in known}) >= 2
+        assert {case.build().values.dtype.name for case in planned} == {"float64", "uint8"}
+        assert {body.shape[0] % 2 for body in known} == {0, 1}
+    assert len({case.facts["body"].b1 for case in bodies(Kind(3, 1))}) >= 2
+
+
+@pytest.mark.parametrize("name", CORRECT)
+def test_a_correct_extractor_passes(name: str) -> None:
+    """Every family, convention and layout; what its limits leave out is unsupported."""
+    family = CORRECT[name]
+    found = judged(family.function, dict(family.says), SURFACES)
+    assert set(found) == {claim.id for claim in CLAIMS}
+    for claim, counted in found.items():
+        assert set(counted) <= {Verdict.PASS, Verdict.SKIP, Verdict.UNSUPPORTED}, (claim, counted)
+    assert all(found[f"bodies.{name}"][Verdict.PASS] for name in ("pieces", "holes", "centroid"))
+
+
+@pytest.mark.parametrize("kind", [(2, 1), (2, 2), (3, 2), (3, 3), (4, 2), (4, 3)])
+def test_every_kind_passes_on_kuhns_simplices(kind: tuple[int, int]) -> None:
+    """Curves, points and surfaces in four dimensions are judged as surfaces are."""
+    limits = {"kinds": KINDS, "least": 2}
+    planned = [case for case in bodies(Kind(*kind)) if case.samples <= 66_000]
+    found = judged(on_kuhn, {"interpolant": "kuhn", "limits": limits}, planned)
+    assert len(found) == len(CLAIMS)
+    assert all(set(counted) == {Verdict.PASS} for counted in found.values()), found
+
+
+WORDS = [
+    {"interpolant": interpolant, "vertices": vertices, "domain": domain, "mesh": mesh}
+    for interpolant, vertices, domain, mesh in product(
+        ["multilinear", "kuhn", "labels"],
+        ["edges", "cells", {"own": 3.0}],
+        ["open", "closed"],
+        ["indexed", {"soup": 0.1}],
+    )
+]
+
+
+@pytest.mark.parametrize("name", EMPTY_HANDED)
+def test_who_has_nothing_to_show_fails_whatever_is_declared(name: str) -> None:
+    """Issue 11: nothing, one triangle, the same mesh for every field; all words, nothing promised.
+
+    A case or more must fail for each way to declare it, and the failure must be held against it.
+    """
+    function = EMPTY_HANDED[name].function
+    for words in WORDS if "always" in name else WORDS[:1]:
+        says = {**words, "level": 0, "not_promised": ["*"], "conventions": {"normals": "none"}}
+        declared = declaration_from(says, name)
+        assert all(claim.held(declared) for claim in CLAIMS)
+        found = judged(function, says, SURFACES)
+        counts = sum(found.values(), Counter())
+        bad = counts[Verdict.FAIL] + counts[Verdict.ERROR] + counts[Verdict.NOT_RUN]
+        assert bad or not counts[Verdict.PASS], (words, found)
+
+
+def test_half_a_cell_moves_the_centroid() -> None:
+    """isograde design: volume alone misses a shift of half a voxel."""
+
+    def shifted(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+        vertices, simplices = on_kuhn(values, isovalue, spacing)
+        return vertices + 0.5 * np.asarray(spacing), simplices
+
+    says = {"interpolant": "kuhn", "limits": {"kinds": KINDS}}
+    for kind in ((2, 1), (3, 2)):
+        found = judged(shifted, says, bodies(Kind(*kind), "circle-1"))
+        assert set(found["bodies.centroid"]) == {Verdict.FAIL}
+        assert set(found["bodies.pieces"]) == {Verdict.PASS}
+
+
+def test_the_other_orientation_is_found() -> None:
+    """A curve that runs the other way covers its body minus once."""
+
+    def reversed_(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+        vertices, simplices = on_kuhn(values, isovalue, spacing)
+        return vertices, simplices[:, ::-1]
+
+    says: dict[str, Any] = {"interpolant": "kuhn", "limits": {"kinds": KINDS}}
+    planned = bodies(Kind(3, 2), "circle-1")
+    found = judged(reversed_, says, planned)
+    assert set(found["bodies.degree"]) == {Verdict.FAIL}
+    unsaid = judged(reversed_, {**says, "conventions": {"normals": "none"}}, planned)
+    assert set(unsaid["bodies.degree"]) == {Verdict.SKIP}
+    assert set(unsaid["bodies.offset"]) == {Verdict.PASS}
+
+
+def test_a_missing_patch_opens_a_piece() -> None:
+    """isograde design: the patch shows in the holes."""
+
+    def patched(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+        vertices, simplices = on_kuhn(values, isovalue, spacing)
+        return vertices, simplices[:-1]
+
+    found = judged(patched, {"interpolant": "kuhn"}, SURFACES)
+    assert set(found["bodies.holes"]) == {Verdict.FAIL}
+    assert set(found["bodies.offset"]) == {Verdict.PASS}
