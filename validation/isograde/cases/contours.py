@@ -168,4 +168,3 @@ def _saddle(mean: bool, saddle: bool) -> Field:
         (False, True): (0.6, 0.5, 1.3, 0.1),
     }[mean, saddle]
     return Field.of([[a, -b], [-c, d]])
-

@@ -112,4 +112,3 @@ def _integers() -> Field:
     """Balls in small integers: samples on the isovalue, ties on edges."""
     x, y, z = np.indices((9, 9, 9)) - 4
     return _pair(9 - x**2 - y**2 - z**2, 9 - (x - 2) ** 2 - y**2 - z**2)
-

@@ -78,4 +78,3 @@ def _apart() -> Field:
     """Two components with zeros, but none in common."""
     x = np.indices((5, 5, 5))[0].astype(float)
     return Field.of(np.stack([x - 0.5, x - 3.5]), dimension=3)
-
