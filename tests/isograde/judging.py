@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from isograde.adapters.conventions import to_house
+from isograde.adapters.forms import AnswerError, arrays_from
 from isograde.declaration import Declaration
 from isograde.model import (
     Adapter,
@@ -38,16 +39,18 @@ class Here:
         samples = np.array(request.field.values, order="K", copy=True)
         level = request.isovalues[0] if len(request.isovalues) == 1 else request.isovalues
         try:
-            vertices, simplices = self.function(samples, level, request.field.spacing)
+            answer = self.function(samples, level, request.field.spacing)
+            vertices, simplices = arrays_from(answer, request.kind)
         except NotImplementedError as error:
             return Outcome(Status.DECLINED, detail=str(error))
+        except AnswerError as error:
+            return Outcome(error.status, detail=str(error))
         except Exception as error:  # noqa: BLE001 - as an adapter would
-            return Outcome(Status.RAISED, detail=str(error))
+            raised = Outcome(Status.RAISED, detail=str(error))
+            return to_house(raised, request, self.declaration.conventions)
         same = np.array_equal(samples, request.field.values, equal_nan=samples.dtype.kind == "f")
-        answer = Outcome(
-            Status.OK, np.asarray(vertices), np.asarray(simplices), input_changed=not same
-        )
-        return to_house(answer, request, self.declaration.conventions)
+        outcome = Outcome(Status.OK, vertices, simplices, input_changed=not same)
+        return to_house(outcome, request, self.declaration.conventions)
 
     def close(self) -> None:
         """Nothing to stop."""
