@@ -114,6 +114,14 @@ def test_every_kind_is_exported_and_answered(tmp_path: Path) -> None:
     assert adapter.run(REQUEST).status is Status.DECLINED
 
 
+def test_what_is_no_field_is_of_no_kind(tmp_path: Path) -> None:
+    """A wrong rank, as the claims on bad input pose it, makes a folder of surfaces no other."""
+    flat = Request("made/ball", "rank", Field.of(np.eye(3)), (0.5,))
+    export(tmp_path / "vectors", [CASE, flat])
+    trimesh.creation.box().export(tmp_path / "vectors/made/ball.ply")
+    assert open_adapter(f"dir:{tmp_path / 'vectors'}").open(Limits()).limits.kinds == ((3, 1),)
+
+
 def test_a_declaration_that_names_no_kinds_has_those_of_the_folder(tmp_path: Path) -> None:
     plane = Request("plane", "plain", Field.of(np.eye(3)), (0.5,))
     export(tmp_path / "vectors", [plane])

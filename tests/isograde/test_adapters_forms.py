@@ -22,6 +22,8 @@ def test_a_fan_has_the_polygon_s_boundary(polygons: list[list[int]]) -> None:
     width = max((len(p) for p in polygons), default=3)
     rows = np.array([p + [-1] * (width - len(p)) for p in polygons], int).reshape(-1, width)
     cut = triangles(rows)
+    ragged = arrays_from((SQUARE, polygons), SURFACES)[1]
+    assert np.array_equal(cut, ragged) or not polygons
     assert len(cut) == sum(len(p) - 2 for p in polygons)
     edges = Counter((int(t[i]), int(t[(i + 1) % 3])) for t in cut for i in range(3))
     edges.subtract(Counter((int(t[(i + 1) % 3]), int(t[i])) for t in cut for i in range(3)))
@@ -125,3 +127,11 @@ def test_polylines_become_as_many_segments_as_they_have(shapes: list[tuple[int, 
     assert sorted(set(segments.ravel().tolist())) == list(range(len(vertices)))
     pieces = np.concatenate([np.stack([a[:-1], a[1:]], 1) for a in lines]) if lines else None
     assert pieces is None or np.array_equal(vertices[segments], pieces)
+
+
+def test_one_long_polygon_among_many_costs_no_more_than_its_corners() -> None:
+    """Filled up to one length these rows would hold 10^10 numbers."""
+    long = list(range(100_000))
+    rows = arrays_from((SQUARE, [long, *[[0, 1, 2]] * 100_000]), SURFACES)[1]
+    assert len(rows) == 99_998 + 100_000
+    assert rows[99_997].tolist() == [0, 99_998, 99_999]

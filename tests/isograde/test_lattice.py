@@ -1,24 +1,27 @@
-"""Index coordinates, sides and ties, by hand and on random fields."""
+"""Index coordinates, sides, ties and ends of the domain, by hand and on random fields."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from isograde.declaration import Conventions, Declaration, End, Split
 from isograde.oracles.lattice import FAR, Lattice, crossing_share
 from isoref.field import Field
+
+OUTSIDE = Declaration("", conventions=Conventions(tie="outside"))
 
 
 def line(*values: float) -> Lattice:
     """A field that varies along its first axis only."""
     samples = np.repeat(np.array(values)[:, None, None], 2, axis=1)
-    return Lattice.of(Field.of(np.repeat(samples, 2, axis=2)), 0.0)
+    return Lattice.of(Field.of(np.repeat(samples, 2, axis=2)), (0.0,))
 
 
 def test_a_tie_is_on_the_declared_side() -> None:
     """A sample equal to the isovalue is inside, unless declared outside."""
     field = Field.of(np.zeros((2, 2, 2)))
-    assert Lattice.of(field, 0.0).inside.all()
-    assert not Lattice.of(field, 0.0, "outside").inside.any()
+    assert Lattice.of(field, (0.0,)).inside.all()
+    assert not Lattice.of(field, (0.0,), OUTSIDE).inside.any()
 
 
 def test_a_sample_is_tied_where_the_surface_comes_to_stand_on_it() -> None:
@@ -30,14 +33,16 @@ def test_a_sample_is_tied_where_the_surface_comes_to_stand_on_it() -> None:
     assert not line(1.0, 0.01, -1.0).tied.any()
 
 
-@given(st.integers(0, 10_000))
-def test_ties_are_where_the_linear_crossing_is_at_a_sample(seed: int) -> None:
-    """One lattice edge at a time, in plain words."""
+@given(st.integers(0, 10_000), st.sampled_from([(7,), (4, 5), (3, 4, 3), (3, 2, 2, 3)]))
+def test_ties_are_where_the_linear_crossing_is_at_a_sample(
+    seed: int, shape: tuple[int, ...]
+) -> None:
+    """One lattice edge at a time, in plain words, in any dimension."""
     rng = np.random.default_rng(seed)
-    values = rng.choice([-1.0, -1e-8, 0.0, 1e-7, 1e-5, 1.0, 3.0], (3, 4, 3))
-    lattice = Lattice.of(Field.of(values), 0.0)
+    values = rng.choice([-1.0, -1e-8, 0.0, 1e-7, 1e-5, 1.0, 3.0], shape)
+    lattice = Lattice.of(Field.of(values), (0.0,))
     tied = values == 0
-    for axis in range(3):
+    for axis in range(len(shape)):
         for at in np.ndindex(*(n - (a == axis) for a, n in enumerate(values.shape))):
             to = tuple(i + (a == axis) for a, i in enumerate(at))
             low, high = values[at], values[to]
@@ -48,10 +53,37 @@ def test_ties_are_where_the_linear_crossing_is_at_a_sample(seed: int) -> None:
     assert np.array_equal(lattice.tied, tied)
 
 
+def test_two_components_that_cross_an_edge_at_one_place_tie_its_ends() -> None:
+    """A curve through a lattice edge is on the border between two faces."""
+    values = np.zeros((2, 2, 2, 2))
+    values[:, 0], values[:, 1] = -1.0, 1.0
+    values[1] *= 3.0
+    field = Field.of(values, dimension=3)
+    assert Lattice.of(field, (0.0, 0.0)).tied.all()
+    assert not Lattice.of(field, (0.0, 0.5)).tied.any()
+
+
+def test_a_split_is_tied_on_its_diagonals_too() -> None:
+    """A crossing at the end of a diagonal ties the sample, where there are diagonals."""
+    values = np.array([[1.0, 1e-7], [1e-7, -1.0]])
+    field = Field.of(values + np.array([[0.0, 1.0], [1.0, 0.0]]))
+    assert not Lattice.of(field, (0.0,)).tied.any()
+    steep = Field.of(np.array([[1e-9, 1.0], [1.0, -1.0]]))
+    kuhn = Declaration("", interpolant="tetrahedra", split=Split())
+    assert Lattice.of(steep, (0.0,), kuhn).tied.tolist() == [[True, False], [False, False]]
+    assert not Lattice.of(steep, (0.0,)).tied.any()
+
+
+def test_labels_have_no_ties() -> None:
+    """Who sees only inside and outside has nothing to round."""
+    field = Field.of(np.zeros((3, 3)))
+    assert not Lattice.of(field, (0.0,), Declaration("", interpolant="labels")).tied.any()
+
+
 def test_index_coordinates_undo_spacing_and_origin() -> None:
     """And what is at the border to within single precision is on it."""
     field = Field.of(np.zeros((4, 5, 6)), (0.5, 2.0, 3.0), (10.0, -20.0, 30.0))
-    lattice = Lattice.of(field, 0.0)
+    lattice = Lattice.of(field, (0.0,))
     index = np.array([[0.0, 1.25, 5.0], [1.5, 4.0, 2.0]])
     single = field.position(index).astype(np.float32).astype(float)
     assert lattice.index(single) == pytest.approx(index, abs=lattice.tolerance)
@@ -61,12 +93,30 @@ def test_index_coordinates_undo_spacing_and_origin() -> None:
     assert lattice.index(np.array([[1e300, -1e300, 0.0]])).tolist()[0][:2] == [FAR, -FAR]
 
 
-def test_an_edge_is_on_the_border_when_one_side_holds_both_ends() -> None:
-    """Two ends on two sides of the volume are not enough."""
-    lattice = Lattice.of(Field.of(np.zeros((3, 3, 3))), 0.0)
-    places = np.array([[0.0, 0.5, 1], [0, 1, 1.5], [1, 0, 0.5], [2, 1.5, 1]])
-    ends = np.array([[0, 1], [1, 2], [0, 3]])
-    assert lattice.on_border(places, ends).tolist() == [True, False, False]
+PLACES = np.array([[0.0, 0.5, 1], [0, 1, 1.5], [1, 0, 0.5], [2, 1.5, 1], [0.4, 0.3, 0.2]])
+
+
+@pytest.mark.parametrize(
+    ("declared", "expected"),
+    [
+        (Declaration(""), [True, False, False, False]),
+        (Declaration("", domain=(End(0.0, "closed"),)), [False] * 4),
+        (Declaration("", domain=(End(0.5, "open"),)), [False] * 4),
+        (Declaration("", vertices="cells", domain=(End(0.5, "open"),)), [True] * 4),
+        (
+            Declaration("", vertices="cells", domain=(End(-0.5, "open"),)),
+            [True, False, False, False],
+        ),
+        (Declaration("", vertices="own", reach=0.6), [True, False, False, True]),
+    ],
+)
+def test_a_facet_is_at_an_open_end_when_one_plane_holds_all_its_vertices(
+    declared: Declaration, expected: list[bool]
+) -> None:
+    """In the plane for vertices on edges, in the border layer of cells for those in cells."""
+    lattice = Lattice.of(Field.of(np.zeros((3, 3, 3))), (0.0,), declared)
+    rows = np.array([[0, 1], [1, 2], [0, 3], [0, 4]])
+    assert lattice.on_border(PLACES, rows).tolist() == expected
 
 
 def test_the_crossing_share_is_linear() -> None:
@@ -77,7 +127,7 @@ def test_the_crossing_share_is_linear() -> None:
 def test_far_from_the_zero_of_the_coordinates_single_precision_is_still_enough() -> None:
     """The tolerance grows with the distance, in spacings, as the rounding of a vertex does."""
     field = Field.of(np.zeros((4, 4, 4)), 0.1, (1e4, -1e4, 1e4))
-    lattice = Lattice.of(field, 0.0)
+    lattice = Lattice.of(field, (0.0,))
     corner = field.position([0, 3, 3])
     single = corner.astype(np.float32).astype(float)
     assert (abs(single - corner) > 1e-5).any()
@@ -85,8 +135,8 @@ def test_far_from_the_zero_of_the_coordinates_single_precision_is_still_enough()
 
 
 def test_a_place_is_at_a_tie_where_its_own_sample_is_tied() -> None:
-    """Neither elsewhere on the lattice, nor in the middle of an edge between ties."""
+    """Neither elsewhere on the lattice, nor between ties, nor far outside beside one."""
     lattice = line(1.0, 0.0, -1.0)
     near = 1 + lattice.reach / 2
-    places = np.array([[1, 0, 0], [near, 1, 0], [0, 0, 0], [1, 0.5, 0], [1.5, 0, 0.0], [9, 0, 0]])
+    places = np.array([[1, 0, 0], [near, 1, 0], [0, 0, 0], [1, 0.5, 0], [1.5, 0, 0.0], [1, 9, 0]])
     assert lattice.at_tie(places).tolist() == [True, True, False, False, False, False]

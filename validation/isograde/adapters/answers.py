@@ -31,7 +31,8 @@ def arrays_said(said: Mapping[str, Any], folder: Path, limit: int, kind: Kind) -
     if "polylines" in said:
         if kind.k != 1:
             raise AnswerError(f"polylines are no answer of dimension {kind.k}: {kind}")
-        return from_polylines(said["polylines"], kind)
+        lines = said["polylines"]
+        return tried("polylines", lambda: from_polylines(lines, kind))  # type: ignore[no-any-return]
     pair = said["vertices"], said["simplices"] if "simplices" in said else said["faces"]
     loaded = [load(folder / part, limit) if isinstance(part, str) else part for part in pair]
     return from_pair(loaded[0], loaded[1], kind)

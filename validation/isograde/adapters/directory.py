@@ -38,6 +38,7 @@ from isograde.adapters.process import samples
 from isograde.adapters.protocol import check_json, declared
 from isograde.declaration import Declaration, Scope
 from isograde.model import AdapterError, Case, Kind, Limits, Outcome, Request, Status
+from isograde.variants import is_bad_input
 
 FORMAT = 2
 VERTICES, SIMPLICES = ".vertices.npy", (".simplices.npy", ".faces.npy")
@@ -56,7 +57,8 @@ LAYOUT: Mapping[str, str] = {
     "vertices": "origin + index * spacing (V, n), coordinates in the order of the array's axes",
     "simplices": "rows of n - m + 1 0-based indices; with g the gradients of the fields and t the "
     "edges of a simplex, det(-g_1, .., -g_m, t_1, ..) > 0: right-hand normals of triangles point "
-    "to lower values, contours have the inside on their left",
+    "to lower values, contours have the inside on their left; quads and other "
+    "polygons are taken for triangles, rows with fewer corners filled up with -1",
     "answer": ANSWER,
     "json": 'an object of "vertices" and "simplices", or of "polylines": lists of points, the '
     "first repeated where one is closed",
@@ -152,7 +154,9 @@ class DirectoryAdapter:
 
     def _declared(self) -> Declaration:
         """The declaration beside the manifest, its kinds those of the fields unless it says so."""
-        kinds = sorted({(int(n), int(m)) for n, m in (e["kind"] for e in self._entries.values())})
+        # A variant that is no field is of no kind that anybody makes.
+        fields = [e for e in self._entries.values() if not is_bad_input(e["variant"])]
+        kinds = sorted({(int(e["kind"][0]), int(e["kind"][1])) for e in fields})
         if not (self._folder / DECLARATION).exists():
             return Declaration(self.spec, limits=Scope(kinds=tuple(kinds)))
         said = self._json(DECLARATION, "")

@@ -31,6 +31,7 @@ Arrays = tuple[NDArray[Any], NDArray[Any]]
 
 # Fill a row of a polygon with fewer corners than the others.
 NO_CORNER = -1
+LARGEST = np.iinfo(np.int64).max
 
 
 class AnswerError(ValueError):
@@ -59,7 +60,7 @@ def arrays_from(answer: object, kind: Kind) -> Arrays:
         if len(answer) == 2 and (isinstance(answer, tuple) or kind.k != 1):
             return from_pair(answer[0], answer[1], kind)
         if kind.k == 1:
-            return from_polylines(answer, kind)
+            return tried("the answer", lambda: from_polylines(answer, kind))  # type: ignore[no-any-return]
         return from_array(_numbers("the answer", answer), kind, f"a {_told(answer)}")
     if isinstance(answer, np.ndarray):
         return from_array(_numbers("the answer", answer), kind, "an array")
@@ -83,16 +84,23 @@ def _told(answer: object) -> str:
 def from_pair(vertices: object, simplices: object, kind: Kind) -> Arrays:
     """A pair with its polygons, if any, cut into triangles; raises `AnswerError`."""
     places = _numbers("vertices", vertices)
-    if kind.k == 2 and _ragged(simplices):
-        rows = _padded(simplices)  # type: ignore[arg-type]
-    else:
-        rows = _numbers("simplices", simplices)
+    rows = _rows(simplices, kind)
     # A list without rows cannot say how long its rows are.
     if isinstance(vertices, Sequence) and not len(vertices):
         places = np.empty((0, kind.n))
     if isinstance(simplices, Sequence) and not len(simplices):
         rows = np.empty((0, kind.k + 1), np.int64)
-    return places, triangles(rows) if kind.k == 2 and rows.ndim == 2 else rows
+    return places, rows
+
+
+def _rows(simplices: object, kind: Kind) -> NDArray[Any]:
+    """The simplices, polygons cut into triangles; raises `AnswerError`."""
+    if kind.k == 2 and _ragged(simplices):
+        return tried("simplices", lambda: _of_ragged(simplices))  # type: ignore[arg-type, no-any-return]
+    rows = _numbers("simplices", simplices)
+    if kind.k == 2 and rows.ndim == 2 and rows.shape[1] > 3:
+        return tried("simplices", lambda: triangles(rows))  # type: ignore[no-any-return]
+    return rows
 
 
 def _ragged(rows: object) -> bool:
@@ -103,25 +111,18 @@ def _ragged(rows: object) -> bool:
     return sized and len({len(row) for row in rows}) > 1  # type: ignore[attr-defined]
 
 
-def _padded(rows: Sequence[Any]) -> NDArray[Any]:
-    """Rows of corners of different lengths, filled up; raises `AnswerError`."""
+def _of_ragged(rows: Sequence[Any]) -> NDArray[Any]:
+    """Triangles of polygons of different lengths; raises `AnswerError`."""
     each = [_numbers(f"polygon {number}", row) for number, row in enumerate(rows)]
     for number, row in enumerate(each):
         if row.ndim != 1 or row.dtype.kind not in "iu":
             raise AnswerError(
                 f"polygon {number} has shape {row.shape} of {row.dtype}, not a row of indices"
             )
-    filled = np.full((len(each), max(map(len, each))), NO_CORNER, np.int64)
-    for number, row in enumerate(each):
-        _check_range(row, number)
-        filled[number, : len(row)] = row
-    return filled
-
-
-def _check_range(row: NDArray[Any], number: int) -> None:
-    """Raise `AnswerError` for an index that no array can have."""
-    if row.size and int(row.max()) > np.iinfo(np.int64).max:
-        raise AnswerError(f"polygon {number} has the index {int(row.max())}")
+        if row.size and int(row.max()) > LARGEST:
+            raise AnswerError(f"polygon {number} has the index {int(row.max())}")
+    flat = np.concatenate(each, dtype=np.int64, casting="unsafe")
+    return _fans(flat, np.array([len(row) for row in each]))
 
 
 def triangles(rows: NDArray[Any]) -> NDArray[Any]:
@@ -133,20 +134,27 @@ def triangles(rows: NDArray[Any]) -> NDArray[Any]:
     Traceback (most recent call last):
     isograde.adapters.forms.AnswerError: polygon 1 has 2 corners: [0, 1]
     """
-    width = rows.shape[1]
-    if width <= 3:
-        return rows
     there = rows != NO_CORNER
-    corners = there.sum(axis=1)
-    _first(
-        corners < 3, lambda n: f"polygon {n} has {corners[n]} corners: {rows[n][there[n]].tolist()}"
-    )
     broken = (there[:, 1:] & ~there[:, :-1]).any(axis=1)
     _first(broken, lambda n: f"polygon {n} has a -1 before its last corner: {rows[n].tolist()}")
+    return _fans(rows[there], there.sum(axis=1))
+
+
+def _fans(flat: NDArray[Any], lengths: NDArray[Any]) -> NDArray[Any]:
+    """Triangles of polygons of these lengths, whose corners come one after the other."""
+    starts = np.cumsum(lengths) - lengths
+    _first(
+        lengths < 3,
+        lambda n: (
+            f"polygon {n} has {lengths[n]} corners: {flat[starts[n] :][: lengths[n]].tolist()}"
+        ),
+    )
     # Keep the order of the polygons, and that of the triangles in each.
-    fan = np.stack([rows[:, [0, i, i + 1]] for i in range(1, width - 1)], axis=1)
-    kept: NDArray[Any] = fan[there[:, 2:]]
-    return kept
+    count = lengths - 2
+    step = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    first = np.repeat(starts, count)
+    cut: NDArray[Any] = flat[np.stack([first, first + step + 1, first + step + 2], axis=1)]
+    return cut
 
 
 def _first(wrong: NDArray[Any], tell: Callable[[int], str]) -> None:
@@ -220,6 +228,8 @@ def tried(name: str, make: Callable[[], Any]) -> Any:
     """What `make` returns; raises `AnswerError` for whatever it raises."""
     try:
         return make()
+    except AnswerError:
+        raise
     except MemoryError as error:
         raise AnswerError(f"an absurd mesh: {name}: {error}", Status.MEMORY) from error
     except Exception as error:

@@ -14,8 +14,8 @@ symmetry and spacing
                               face of every cell the mesh has the same segments; in every cell it
                               has as many sheets, of the same Euler characteristic
     vertices in cells         the same vertices, and the same edges between cells that share a face
-    a split                   vertices on the same edges of the split, and the same edges between
-                              two of them on one triangle, under the split's own symmetries
+    a split                   the same vertices on its edges, the same number of pieces and Euler
+                              characteristic, under the split's own symmetries
     other dimensions          the same points in which the mesh meets the lattice's faces of
                               dimension m, the same number of pieces and Euler characteristic
     a lattice of its own      is judged on known bodies only
@@ -216,8 +216,8 @@ def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
     """How what the family must agree on under a symmetry differs; nothing where it does not."""
     if trial.declaration.vertices == "cells":
         return _same_cells(trial, other)
-    if trial.declaration.interpolant == "tetrahedra":
-        return _same_crossings_of_split(trial, other, variant)
+    if trial.declaration.interpolant == "tetrahedra" and trial.kind.m == 1:
+        return _same_crossings_of_split(trial, other)
     if trial.kind == SURFACES:
         return _same_traces(trial, other)
     return _same_meetings(trial, other)
@@ -314,28 +314,30 @@ def _between_neighbours(lattice: Lattice, mesh: Complex) -> Booleans:
     return np.asarray((step.sum(axis=1) == 1) & ~near & inner.all(axis=(1, 2)))
 
 
-def _same_crossings_of_split(trial: Trial, other: Complex, variant: variants.Variant) -> str:
-    """How vertices on the edges of the split, or edges on its triangles, differ."""
-    mine, lattice = complex_of(trial), lattice_of(trial)
-    places = [_free(lattice, mesh.points[mesh.used]) for mesh in (mine, other)]
-    return _moved(lattice, *places)
+def _same_crossings_of_split(trial: Trial, other: Complex) -> str:
+    """How the vertices, which stand on the edges of the split, differ."""
+    lattice = lattice_of(trial)
+    mine, theirs = (_free(lattice, mesh.points[mesh.used]) for mesh in (complex_of(trial), other))
+    if told := _moved(lattice, mine, theirs):
+        return told
+    return _same_numbers(lattice, complex_of(trial), other)
 
 
 def _same_meetings(trial: Trial, other: Complex) -> str:
     """How the points on lattice faces of dimension m, the pieces or the Euler numbers differ."""
     mine, lattice = complex_of(trial), lattice_of(trial)
-    meshes = (mine, other)
-    if told := _moved(lattice, *(_free(lattice, met(lattice, mesh)) for mesh in meshes)):
-        return told
+    points = [_free(lattice, met(lattice, mesh)) for mesh in (mine, other)]
+    return _moved(lattice, *points) or _same_numbers(lattice, mine, other)
+
+
+def _same_numbers(lattice: Lattice, mine: Complex, other: Complex) -> str:
+    """How pieces and Euler characteristics differ, where no sample is tied."""
     if lattice.tied.any():
         return ""
-    numbers = [(mesh.components, mesh.euler) for mesh in meshes]
-    if numbers[0] == numbers[1]:
+    plain, posed = ((mesh.components, mesh.euler) for mesh in (mine, other))
+    if plain == posed:
         return ""
-    return (
-        f"{numbers[1][0]} pieces of Euler characteristic {numbers[1][1]}; plain, {numbers[0][0]} "
-        f"of {numbers[0][1]}"
-    )
+    return f"{posed[0]} pieces of Euler characteristic {posed[1]}; plain, {plain[0]} of {plain[1]}"
 
 
 def met(lattice: Lattice, mesh: Complex) -> Floats:

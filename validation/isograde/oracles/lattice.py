@@ -195,6 +195,7 @@ class Lattice:
         nearest = np.rint(places)
         last = np.subtract(self.shape, 1)
         at = (np.abs(places - nearest) <= self.reach).all(axis=1)
+        at &= ((nearest >= 0) & (nearest <= last)).all(axis=1)
         where = np.clip(nearest, 0, last).astype(np.int64)
         return np.asarray(at & self.tied[tuple(where.T)])
 

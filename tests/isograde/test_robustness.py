@@ -1,0 +1,81 @@
+"""How an implementation bears what it is given: right ones pass, and each fault is named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.cases import all_cases
+from isograde.declaration import Conventions, Declaration, End
+from isograde.model import Verdict
+
+from tests.isograde.cheats import CHEATS
+from tests.isograde.families import cubes
+from tests.isograde.judging import verdicts
+
+ONE = [all_cases()["cells/outside/009"]]
+
+
+def verdict(function: Any, declared: Declaration, claim: str) -> Verdict:
+    """What the claim says of a function on one case."""
+    found = verdicts(function, declared, ONE, f"robustness.{claim}")
+    (only,) = found[f"robustness.{claim}"]
+    return only
+
+
+@pytest.mark.parametrize(
+    ("name", "claim"),
+    [("in_any_order", "deterministic"), ("overwrites", "input_unmodified")],
+)
+def test_a_cheat_is_caught(name: str, claim: str) -> None:
+    """Other numbers the second time; a sample written to."""
+    assert verdict(CHEATS[name].function, Declaration("cheat"), claim) is Verdict.FAIL
+    assert verdict(cubes, Declaration("cubes"), claim) is Verdict.PASS
+
+
+def test_an_empty_answer_given_twice_is_no_evidence() -> None:
+    """Nothing is the same as nothing."""
+    found = verdict(CHEATS["always_empty"].function, Declaration("empty"), "deterministic")
+    assert found is Verdict.SKIP
+
+
+def test_what_nan_does_is_declared_and_measured() -> None:
+    """Neither an error nor an answer is wrong by itself."""
+
+    def answers(values: Any, isovalue: float, spacing: Any) -> Any:
+        return cubes(np.nan_to_num(values, nan=0.0), isovalue, spacing)
+
+    declared = Declaration("answers", conventions=Conventions(nan="answers"))
+    assert verdict(cubes, Declaration("raises"), "nan") is Verdict.PASS
+    assert verdict(answers, declared, "nan") is Verdict.PASS
+    assert verdict(answers, Declaration("raises"), "nan") is Verdict.FAIL
+    assert verdict(cubes, declared, "nan") is Verdict.FAIL
+
+
+def test_bad_input_is_refused_with_words() -> None:
+    """A plane, no samples, no isovalue; an answer or a bare error fails."""
+
+    def mute(values: Any, isovalue: float, spacing: Any) -> Any:
+        try:
+            return cubes(values, isovalue, spacing)
+        except ValueError:
+            raise ValueError from None
+
+    assert verdict(cubes, Declaration("cubes"), "bad_input") is Verdict.PASS
+    assert verdict(mute, Declaration("mute"), "bad_input") is Verdict.FAIL
+    assert verdict(CHEATS["always_empty"].function, Declaration("e"), "bad_input") is Verdict.FAIL
+
+
+def test_out_of_range_gives_nothing_but_a_capped_box_below() -> None:
+    """With everything inside, a surface that is closed at the border is the border."""
+
+    def box(values: Any, isovalue: float, spacing: Any) -> Any:
+        wide = np.pad(values, 1, constant_values=values.min() - 1 - abs(isovalue))
+        vertices, faces = cubes(wide, isovalue, spacing)
+        return vertices - np.asarray(spacing), faces
+
+    capped = Declaration("box", domain=(End(-0.5, "closed"),))
+    assert verdict(cubes, Declaration("cubes"), "out_of_range") is Verdict.PASS
+    assert verdict(box, capped, "out_of_range") is Verdict.PASS
+    assert verdict(box, Declaration("box"), "out_of_range") is Verdict.FAIL

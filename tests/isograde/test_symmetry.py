@@ -1,0 +1,143 @@
+"""The same answer however the field is posed: correct families pass, and each cheat is caught."""
+
+from __future__ import annotations
+
+from collections import Counter
+from functools import cache
+
+import numpy as np
+import pytest
+from isograde.cases import all_cases
+from isograde.claims.symmetry import own_symmetry
+from isograde.declaration import Declaration, Split, declaration_from
+from isograde.model import Case, Kind, Verdict
+from isograde.oracles import overlay
+from isograde.oracles.complexes import Complex
+from isoref.fast.simplicial import extract as simplicial
+from isoref.field import Field
+
+from tests.isograde.cheats import CHEATS
+from tests.isograde.families import CORRECT
+from tests.isograde.judging import verdicts
+
+# A cell with an ambiguous face, and a little noise.
+CASES = ("cells/outside/009", "noise/white-5x6x7")
+# One of each family; the conventions differ in nothing that is compared here.
+FAMILIES = (
+    "cubes", "cubes_in_soup_from_either_end", "trilinear_with_flat_triangles", "nets",
+    "dual_cubes_of_quads", "tetrahedra_of_kuhn", "tetrahedra_of_five", "label_cubes",
+    "dual_cubes_of_labels", "resampled_finer", "axes_reversed", "capped", "periodic",
+)  # fmt: skip
+CAUGHT = {
+    "nets_of_doubles_only": "symmetry.type",
+    "nets_of_c_order_only": "symmetry.layout",
+    "one_spacing_for_all": "symmetry.spacing",
+    "kuhn_in_a_mirror": "symmetry.orientation",
+    "cubes_of_tetrahedra": "symmetry.orientation",
+    "last_layer_missing": "symmetry.orientation",
+    "always_a_ball_in_the_middle": "symmetry.translation",
+    "flips_a_coin": "symmetry.shift",
+}
+
+
+@cache
+def asked() -> tuple[Case, ...]:
+    """The cases."""
+    every = all_cases()
+    return tuple(every[name] for name in CASES)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_correct_extractors_of_every_family_pass(name: str) -> None:
+    """Whatever is free for a family is not compared, and something is."""
+    family = CORRECT[name]
+    found = verdicts(
+        family.function,
+        declaration_from(family.says, name),
+        asked()[name.startswith("resampled") :][:1],
+        "symmetry.",
+    )
+    bad = {claim: counts for claim, counts in found.items() if set(counts) - {"pass", "skip"}}
+    assert not bad
+    assert sum(counts[Verdict.PASS] for counts in found.values()) >= 3
+
+
+@pytest.mark.parametrize(("name", "claim"), CAUGHT.items())
+def test_a_cheat_is_caught(name: str, claim: str) -> None:
+    """By the claim that is made for it."""
+    cheat = CHEATS[name]
+    found = verdicts(cheat.function, declaration_from(cheat.says, name), asked(), claim)
+    assert found[claim][Verdict.FAIL]
+
+
+def test_scaling_finds_an_absolute_epsilon() -> None:
+    """Differences below one thousandth count as none, whatever the values' size."""
+    cubes = CORRECT["cubes"].function
+
+    def coarse(values, isovalue, spacing):  # type: ignore[no-untyped-def]
+        rounded = np.where(np.abs(values - isovalue) < 0.3, isovalue + 0.3, values)
+        return cubes(rounded, isovalue, spacing)
+
+    found = verdicts(coarse, Declaration("coarse"), asked(), "symmetry.scaling")
+    assert found["symmetry.scaling"][Verdict.FAIL]
+
+
+@pytest.mark.parametrize("kind", [Kind(2, 1), Kind(3, 2), Kind(4, 2)], ids=str)
+def test_simplices_of_other_kinds_pass(kind: Kind) -> None:
+    """Kuhn's simplices under their own symmetries, and another order of the components."""
+    shape = {2: (6, 5), 3: (4, 3, 4), 4: (3, 3, 2, 3)}[kind.n]
+    values = np.random.default_rng([*kind]).normal(size=(kind.m, *shape))
+    field = Field.of(values if kind.m > 1 else values[0], dimension=kind.n)
+    case = Case("test", lambda: field, (0.1,) * kind.m, 1, kind=kind)
+    declared = declaration_from(
+        {"interpolant": "kuhn", "limits": {"kinds": [list(kind)]}}, "simplices"
+    )
+
+    def extract(values, isovalues, spacing):  # type: ignore[no-untyped-def]
+        levels = np.reshape(isovalues, (kind.m, *(1,) * kind.n))
+        parts = values.reshape(kind.m, *values.shape[-kind.n :]) - levels
+        mesh = simplicial(Field.of(parts, spacing, dimension=kind.n))
+        return mesh.vertices, mesh.simplices
+
+    found = verdicts(extract, declared, [case], "symmetry.")
+    assert {claim for claim, counts in found.items() if counts[Verdict.PASS]} >= {
+        "symmetry.translation",
+        "symmetry.scaling",
+        "symmetry.shift",
+        "symmetry.orientation",
+        "symmetry.layout",
+    }
+    assert not sum(found.values(), Counter()) - Counter({Verdict.PASS: 99, Verdict.SKIP: 99})
+
+
+def test_the_splits_own_symmetries_are_those_that_leave_it_as_it_is() -> None:
+    """Kuhn: orders of the axes, and all axes mirrored at once; the five: by the parities."""
+    kuhn = Split()
+    orders = [(0, 1, 2), (1, 0, 2), (2, 1, 0)]
+    assert all(own_symmetry(kuhn, (0, 1, 0), order, (False,) * 3) for order in orders)
+    assert own_symmetry(kuhn, (0, 0, 0), (0, 1, 2), (True,) * 3)
+    assert not own_symmetry(kuhn, (0, 0, 0), (0, 1, 2), (True, False, False))
+    five = declaration_from(CORRECT["tetrahedra_of_five"].says, "five").split
+    assert own_symmetry(five, (0, 0, 0), (0, 1, 2), (True, False, False))
+    assert not own_symmetry(five, (1, 0, 0), (0, 1, 2), (True, False, False))
+
+
+def test_the_oracle_finds_one_simplex_moved_turned_or_lost() -> None:
+    """And does not mind numbering, order or the last digits."""
+    rng = np.random.default_rng(0)
+    points, rows = rng.normal(size=(9, 3)), rng.permuted(np.tile(np.arange(9), (6, 1)), axis=1)
+    rows = rows[:, :3]
+    plain, order = Complex(points, rows), rng.permutation(9)
+    renamed = Complex(points[order] + 1e-9, np.argsort(order)[np.roll(rows[::-1], 1, axis=1)])
+    assert [len(x) for x in overlay.unmatched(plain, renamed, 1e-6)] == [0, 0]
+    turned = rows.copy()
+    turned[2] = turned[2][::-1]
+    assert [x.tolist() for x in overlay.unmatched(plain, Complex(points, turned), 1e-6)] == [
+        [2],
+        [2],
+    ]
+    fewer = Complex(points, rows[1:])
+    assert [x.tolist() for x in overlay.unmatched(plain, fewer, 1e-6)] == [[0], []]
+    moved = points.copy()
+    moved[rows[0, 0]] += 1e-3
+    assert len(overlay.lonely(points, moved, 1e-6)[0]) == 1

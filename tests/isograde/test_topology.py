@@ -1,0 +1,224 @@
+"""The claims on how a mesh hangs together, on right and on broken meshes of every kind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.claims import topology
+from isograde.declaration import Conventions, Declaration, End
+from isograde.model import Case, Finding, Kind, Outcome, Status, Trial, Verdict
+from isoref.fast.simplicial import extract as simplicial
+from isoref.field import Field
+from isoref.methods import METHODS
+
+CLAIMS = {claim.id: claim for claim in topology.CLAIMS}
+SHAPES = {2: (9, 8), 3: (6, 5, 6), 4: (4, 4, 3, 4), 5: (3, 2, 3, 2, 2)}
+KINDS = [Kind(n, m) for n in range(2, 6) for m in range(1, n) if (n, m) != (5, 1)]
+SPLIT = Declaration("", interpolant="tetrahedra")
+NOTHING = Declaration("")
+
+
+def trial(
+    field: Field,
+    vertices: Any,
+    simplices: Any,
+    declared: Declaration = NOTHING,
+    isovalues: tuple[float, ...] = (0.0,),
+) -> Trial:
+    """A trial of these arrays."""
+    kind = Kind(field.dimension, field.components)
+    case = Case("test", lambda: field, isovalues, 1, kind=kind)
+    outcome = Outcome(Status.OK, np.asarray(vertices), np.asarray(simplices))
+    return Trial(case, field, declared, {"plain": outcome})
+
+
+def judged(name: str, one: Trial) -> Finding:
+    """What a claim says of it."""
+    return CLAIMS[f"topology.{name}"].judge(one)
+
+
+def noise(kind: Kind, seed: int = 0) -> tuple[Field, Any, Any]:
+    """Noise of this kind, and Min's simplices in it."""
+    values = np.random.default_rng([seed, *kind]).normal(size=(kind.m, *SHAPES[kind.n]))
+    mesh = simplicial(Field.of(values, dimension=kind.n))
+    field = Field.of(values if kind.m > 1 else values[0], dimension=kind.n)
+    return field, mesh.vertices, mesh.simplices
+
+
+def cubes(values: Any, isovalue: float = 0.0) -> tuple[Field, Any, Any]:
+    """The asymptotic decider's surface."""
+    field = Field.of(values)
+    mesh = METHODS["asymptotic-decider"](field, isovalue)
+    return field, mesh.vertices, mesh.simplices
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_simplices_of_every_kind_pass(kind: Kind) -> None:
+    """Closed, oriented, manifold, on the right side, on evidence; Min 2003, section 5."""
+    field, vertices, simplices = noise(kind)
+    one = trial(field, vertices, simplices, SPLIT, (0.0,) * kind.m)
+    for name in ("closed", "oriented", "manifold", "sides"):
+        assert judged(name, one).verdict is Verdict.PASS, name
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_a_lost_simplex_is_a_hole(kind: Kind) -> None:
+    """One simplex that touches no end of the domain."""
+    field, vertices, simplices = noise(kind)
+    last = np.subtract(field.shape, 1.0)
+    inner = ((vertices > 0) & (vertices < last)).all(axis=1)[simplices].all(axis=1)
+    which = int(np.flatnonzero(inner)[0]) if inner.any() else len(simplices) // 2
+    fewer = np.delete(simplices, which, axis=0)
+    found = judged("closed", trial(field, vertices, fewer, SPLIT, (0.0,) * kind.m))
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers["boundary_facets"] >= 1
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_one_simplex_turned_over_is_not_oriented(kind: Kind) -> None:
+    """And all turned over are on the wrong side."""
+    field, vertices, simplices = noise(kind)
+    turned = simplices.copy()
+    turned[7, -2:] = turned[7, -2:][::-1]
+    one = trial(field, vertices, turned, SPLIT, (0.0,) * kind.m)
+    assert judged("oriented", one).verdict is Verdict.FAIL
+    turned[:, -2:] = simplices[:, -2:][:, ::-1]
+    every = trial(field, vertices, turned, SPLIT, (0.0,) * kind.m)
+    assert judged("oriented", every).verdict is Verdict.PASS
+    found = judged("sides", every)
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers["reversed"] == found.numbers["faces"]
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_who_declares_no_orientation_is_not_asked_for_one(kind: Kind) -> None:
+    """The mesh still passes where it must."""
+    declared = Declaration("", interpolant="tetrahedra", conventions=Conventions(normals="none"))
+    field, vertices, simplices = noise(kind)
+    turned = simplices.copy()
+    turned[:, -2:] = simplices[:, -2:][:, ::-1]
+    one = trial(field, vertices, turned, declared, (0.0,) * kind.m)
+    assert judged("oriented", one).verdict is Verdict.SKIP
+    assert judged("sides", one).verdict is Verdict.PASS
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_a_mesh_drawn_twice_is_no_manifold_and_on_no_side(kind: Kind) -> None:
+    """Every facet has four simplices, or two on the border."""
+    field, vertices, simplices = noise(kind)
+    twice = np.concatenate([simplices, simplices])
+    one = trial(field, vertices, twice, SPLIT, (0.0,) * kind.m)
+    assert judged("manifold", one).verdict is Verdict.FAIL
+    assert judged("sides", one).verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize("name", ["closed", "oriented", "manifold"])
+def test_an_empty_mesh_is_no_evidence(name: str) -> None:
+    """Nothing is a pass without evidence; what is missing is for `sides` to say."""
+    field, _, _ = cubes(np.random.default_rng(0).normal(size=(4, 4, 4)))
+    one = trial(field, np.empty((0, 3)), np.empty((0, 3), int))
+    assert judged(name, one).verdict is Verdict.SKIP
+    assert judged("sides", one).verdict is Verdict.FAIL
+
+
+def test_points_are_as_many_as_the_degree_says() -> None:
+    """Isolated points, n = m: at least the winding number round each square, and as odd."""
+    values = np.random.default_rng(3).normal(size=(2, 7, 7))
+    mesh = simplicial(Field.of(values, dimension=2))
+    field = Field.of(values, dimension=2)
+    right = trial(field, mesh.vertices, mesh.simplices, SPLIT, (0.0, 0.0))
+    assert judged("sides", right).verdict is Verdict.PASS
+    fewer = trial(field, mesh.vertices, mesh.simplices[1:], SPLIT, (0.0, 0.0))
+    assert judged("sides", fewer).verdict is Verdict.FAIL
+    assert not CLAIMS["topology.closed"].kinds(Kind(2, 2))
+
+
+def test_a_soup_is_closed_within_its_tolerance_and_says_why() -> None:
+    """Edges interpolated from either end: the last digits differ (issue: soups)."""
+    field, vertices, faces = cubes(np.random.default_rng(1).normal(size=(5, 5, 5)))
+    soup = vertices[faces].reshape(-1, 3)
+    soup += np.random.default_rng(0).uniform(-1e-8, 1e-8, soup.shape)
+    rows = np.arange(faces.size).reshape(-1, 3)
+    assert judged("closed", trial(field, soup, rows, Declaration("", soup=1e-6))).verdict is (
+        Verdict.PASS
+    )
+    found = judged("closed", trial(field, soup, rows))
+    assert found.verdict is Verdict.FAIL
+    assert "depends on the direction" in found.detail
+    holed = judged("closed", trial(field, soup, rows[1:], Declaration("", soup=1e-6)))
+    assert holed.verdict is Verdict.FAIL
+
+
+def test_one_tied_sample_excuses_no_unwelded_vertex_elsewhere() -> None:
+    """Slabs that are not welded, in a field with one tie far away (issue: false alarm 4)."""
+    values = np.random.default_rng(2).normal(size=(8, 5, 5))
+    values[1, 2, 2] = 0.0
+    field, vertices, faces = cubes(values)
+    upper = (vertices[faces][..., 0] >= 4).all(axis=1)
+    apart = np.where(upper[:, None], faces + len(vertices), faces)
+    doubled = np.concatenate([vertices, vertices])
+    assert judged("closed", trial(field, vertices, faces)).verdict is Verdict.PASS
+    assert judged("closed", trial(field, doubled, apart)).verdict is Verdict.FAIL
+
+
+def test_vertices_at_a_tied_sample_may_be_one_or_several() -> None:
+    """The convention of a tie is free: both meshes are closed."""
+    values = np.random.default_rng(4).integers(-1, 2, (5, 5, 5)).astype(float)
+    field, vertices, faces = cubes(values)
+    at = np.abs(vertices - np.rint(vertices)).max(axis=1) < 1e-9
+    key = np.where(at[:, None], np.rint(vertices), vertices)
+    _, first, name = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    merged = first[name.reshape(-1)][faces]
+    whole = merged[(merged != np.roll(merged, 1, axis=1)).all(axis=1)]
+    for rows in (faces, whole):
+        assert judged("ties", trial(field, vertices, rows)).verdict is Verdict.PASS
+        assert judged("closed", trial(field, vertices, rows)).verdict is Verdict.PASS
+    assert len(whole) < len(faces)
+
+
+def test_a_closed_end_excuses_nothing_and_an_inset_moves_the_open_one() -> None:
+    """The end of the domain is where it is declared (design, domain)."""
+    values = np.random.default_rng(5).normal(size=(6, 6, 6))
+    field, vertices, faces = cubes(values)
+    assert judged("closed", trial(field, vertices, faces)).verdict is Verdict.PASS
+    capped = Declaration("", domain=(End(0.0, "closed"),))
+    assert judged("closed", trial(field, vertices, faces, capped)).verdict is Verdict.FAIL
+    inner = METHODS["asymptotic-decider"](Field.of(values[1:-1, 1:-1, 1:-1]), 0.0)
+    less = Declaration("", domain=(End(1.0, "open"),))
+    shifted = inner.vertices + 1.0
+    assert judged("closed", trial(field, shifted, inner.simplices, less)).verdict is Verdict.PASS
+    assert judged("closed", trial(field, shifted, inner.simplices)).verdict is Verdict.FAIL
+
+
+def test_a_periodic_mesh_closes_across_the_seam() -> None:
+    """Its open facets in the two end planes are the same; one lost triangle there shows."""
+    n = 6
+    i, j, k = np.indices((n, n, n))
+    wave = np.cos(2 * np.pi * (i + 0.3) / n) + np.cos(2 * np.pi * (j + 0.1) / n)
+    values = wave + np.cos(2 * np.pi * (k + 0.7) / n) + 0.4
+    mesh = METHODS["asymptotic-decider"](Field.of(np.pad(values, (0, 1), mode="wrap")), 0.0)
+    field, declared = Field.of(values), Declaration("", domain=(End(0.0, "periodic"),))
+    whole = trial(field, mesh.vertices, mesh.simplices, declared)
+    assert judged("closed", whole).verdict is Verdict.PASS
+    assert judged("sides", whole).verdict is Verdict.PASS
+    on_seam = (mesh.vertices[mesh.simplices] == n).any(axis=(1, 2))
+    torn = np.delete(mesh.simplices, np.flatnonzero(on_seam)[0], axis=0)
+    assert judged("closed", trial(field, mesh.vertices, torn, declared)).verdict is Verdict.FAIL
+
+
+def test_two_sheets_in_a_vertex_are_no_manifold_unless_the_sample_is_tied() -> None:
+    """Two inside samples, diagonal in a cell, with a tie between them."""
+    values = np.full((3, 3, 3), -1.0)
+    values[0, 0, 0] = values[2, 2, 2] = 1.0
+    field, vertices, faces = cubes(values)
+    pinched = vertices.copy()
+    corners = np.unique(faces)
+    low = corners[vertices[corners].sum(axis=1) < 3][0]
+    high = corners[vertices[corners].sum(axis=1) > 3][0]
+    rows = np.where(faces == high, low, faces)
+    assert judged("manifold", trial(field, pinched, faces)).verdict is Verdict.PASS
+    found = judged("manifold", trial(field, pinched, rows))
+    assert found.verdict is Verdict.FAIL
+    assert "several sheets meet" in found.detail
