@@ -52,7 +52,7 @@ SURFACES = bodies(Kind(3, 1), "sphere-1")
 
 
 def test_the_plan_has_two_topologies_both_types_and_both_sizes_of_every_kind() -> None:
-    """isograde design: at least two topologies, floats and bytes, cubes of 2^k and 2^k + 1."""
+    """The design: at least two topologies, floats and bytes, cubes of 2^k and 2^k + 1."""
     kinds = {case.kind for case in all_cases().values() if "bodies" in case.tags}
     assert {(2, 1), (3, 1), (3, 2), (4, 2), (2, 2)} <= kinds
     for kind in kinds:
@@ -117,7 +117,7 @@ def test_who_has_nothing_to_show_fails_whatever_is_declared(name: str) -> None:
 
 
 def test_half_a_cell_moves_the_centroid() -> None:
-    """isograde design: volume alone misses a shift of half a voxel."""
+    """The design: volume alone misses a shift of half a voxel."""
 
     def shifted(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
         vertices, simplices = on_kuhn(values, isovalue, spacing)
@@ -147,7 +147,7 @@ def test_the_other_orientation_is_found() -> None:
 
 
 def test_a_missing_patch_opens_a_piece() -> None:
-    """isograde design: the patch shows in the holes."""
+    """The design: the patch shows in the holes."""
 
     def patched(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
         vertices, simplices = on_kuhn(values, isovalue, spacing)

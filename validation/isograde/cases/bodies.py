@@ -3,13 +3,15 @@
 Every body of `isograde.oracles.bodies` in boxes of 2^e and of 2^e + 1 samples along the axes, as
 float64 and as uint8. The two smallest bodies of a kind are run by default, each once in either box
 and once as either type, and one torus; the rest is tagged "full". In up to three dimensions these
-two come as float32 and int16 as well, for who takes nothing else. Facts: "body", and "rounding", by how
-many cells the samples are off, and an answer in single precision.
+two come as float32 and int16 as well, for who takes nothing else.
+
+Facts: "body", and "rounding", by how many cells the samples are off, and an answer in single
+precision.
 
 Floats are rounded to multiples of 2^-20, so that the numbers are the same everywhere (nothing but
 sums, products and square roots made them), and lifted by an isovalue that is not zero. Bytes are
 distances up to `BAND` cells on either side, spread over 0 to 255; the isovalue is 127.5, so no
-sample ties, and their rounding is half a step.
+sample ties, and their rounding is half a step. Integers of 16 bits have `FINE` steps a cell.
 """
 
 from __future__ import annotations
