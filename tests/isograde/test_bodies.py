@@ -32,14 +32,14 @@ from isoref.mesh import Mesh
 
 Extractor = Callable[[Any, float], Mesh]
 BODIES = {f"{n}-{m}/{body.name}": body for n, m in KINDS for body in known_bodies(n, m)}
-CASES = {case.id: case for case in cases.cases()}
+CASES = {case.id: case for case in cases.cases() if case.id.endswith(("-float64", "-uint8"))}
 # Cases whose judgement takes seconds rather than parts of one.
 HEAVY = {(4, 1), (4, 2), (5, 3)}
 SURFACES = [
-    case.id
-    for case in cases.of_kind(3, 1)
-    if "/sphere" in case.id
-    or case.id.endswith(("two-spheres-32-float64", "torus-64-uint8", "genus-2-65-float64"))
+    name
+    for name in CASES
+    if "3-1/sphere" in name
+    or name.endswith(("two-spheres-32-float64", "3-1/torus-64-uint8", "genus-2-65-float64"))
 ]
 SMALL = [case_id for case_id in SURFACES if "sphere" in case_id]
 TORUS = "bodies/3-1/torus-64-float64"
@@ -373,7 +373,7 @@ def test_simplices_of_every_kind_are_within_the_bounds_of_a_split(case_id: str) 
     """`isoref.simplicial` draws the zeros of the Kuhn split's linear interpolant."""
     case = CASES[case_id]
     within = allowed(case, "tetrahedra", "edges")
-    found = judged(case, extract(case.build(), case.isovalue), within)
+    found = judged(case, extract(case.build(), case.isovalues[0]), within)
     body = body_of(case)
     # The bound is no empty one: a curved body uses a fifth of it at least.
     assert min(body.radii) == inf or found.to_body > within.largest / 5
@@ -386,7 +386,7 @@ def test_large_simplicial_sets_are_within_the_bounds_of_a_split(kind: tuple[int,
     listed = [case for case in cases.of_kind(*kind) if case.id.endswith("uint8")]
     assert len(listed) == 4
     for case in listed:
-        judged(case, extract(case.build(), case.isovalue), allowed(case, "tetrahedra", "edges"))
+        judged(case, extract(case.build(), case.isovalues[0]), allowed(case, "tetrahedra", "edges"))
 
 
 FAMILIES = {
@@ -408,7 +408,7 @@ def test_methods_of_the_reference_are_within_the_bounds_of_their_family(name: st
     for case_id in SMALL[1::2]:
         case = CASES[case_id]
         within = allowed(case, *FAMILIES.get(name, ("multilinear", "edges")))
-        found = judged(case, METHODS[name](case.build(), case.isovalue), within)
+        found = judged(case, METHODS[name](case.build(), case.isovalues[0]), within)
         assert found.to_body > within.largest / 4
 
 
@@ -417,7 +417,7 @@ def test_methods_of_the_reference_are_within_the_bounds_of_their_family(name: st
 def test_libraries_are_within_the_bounds_of_edges(library: Extractor, case_id: str) -> None:
     """scikit-image, PyMCubes and VTK."""
     case = CASES[case_id]
-    mesh = library(case.build().values, case.isovalue)
+    mesh = library(case.build().values, case.isovalues[0])
     judged(case, mesh, allowed(case, "multilinear", "edges"))
 
 
@@ -426,7 +426,9 @@ def test_contours_of_a_library_are_within_the_bounds_of_edges(case_id: str) -> N
     """scikit-image's find_contours; closed polylines repeat their first point."""
     measure = pytest.importorskip("skimage.measure")
     case, vertices, rows, start = CASES[case_id], [], [], 0
-    lines = measure.find_contours(case.build().values, case.isovalue, positive_orientation="high")
+    lines = measure.find_contours(
+        case.build().values, case.isovalues[0], positive_orientation="high"
+    )
     assert lines
     for line in lines:
         ring = np.arange(len(line) - 1)
@@ -441,7 +443,7 @@ def test_contours_of_a_library_are_within_the_bounds_of_edges(case_id: str) -> N
 def test_surface_nets_are_within_the_bounds_of_cells(case_id: str) -> None:
     """Naive surface nets leave the body further than marching cubes may, and no further."""
     case = CASES[case_id]
-    mesh = naive_nets(case.build().values, case.isovalue)
+    mesh = naive_nets(case.build().values, case.isovalues[0])
     found = judged(case, mesh, allowed(case, "multilinear", "cells"))
     assert found.to_body > allowed(case, "multilinear", "edges").largest
 
@@ -450,7 +452,7 @@ def test_surface_nets_are_within_the_bounds_of_cells(case_id: str) -> None:
 def test_labels_are_within_their_bounds(case_id: str) -> None:
     """Vertices halfway along edges; nets of labels, their vertices averages or centres of cells."""
     case = CASES[case_id]
-    inside = (case.build().values >= case.isovalue).astype(np.uint8)
+    inside = (case.build().values >= case.isovalues[0]).astype(np.uint8)
     found = judged(case, lewiner(inside.astype(float), 0.5), allowed(case, "labels", "edges"))
     assert found.to_body > allowed(case, "labels", "edges").largest / 2
     within = allowed(case, "labels", "cells")
@@ -470,7 +472,7 @@ def test_a_resampler_is_within_the_bounds_of_its_reach(case_id: str, reach: floa
     counts = [ceil((N - 1) / reach) + 1 for N in values.shape]
     axes = [np.linspace(0, N - 1, count) for N, count in zip(values.shape, counts, strict=True)]
     own = map_coordinates(values, np.meshgrid(*axes, indexing="ij"), order=1)
-    mesh = lewiner(own, case.isovalue)
+    mesh = lewiner(own, case.isovalues[0])
     found = judged(
         case,
         Mesh.of(mesh.vertices * [axis[1] for axis in axes], mesh.simplices),
@@ -494,7 +496,7 @@ def wrong(case: Case, mesh: Mesh) -> set[str]:
 
 def right(case: Case) -> Mesh:
     """The reference's answer."""
-    return extract(case.build(), case.isovalue)
+    return extract(case.build(), case.isovalues[0])
 
 
 LIGHT = [
@@ -519,7 +521,7 @@ def test_an_empty_mesh_and_one_simplex_are_caught(case_id: str) -> None:
 
 def test_the_same_mesh_for_every_field_is_caught_on_all_but_its_own_body() -> None:
     """Whichever right mesh of a kind is answered always."""
-    listed = list(cases.of_kind(3, 1))
+    listed = [case for case in CASES.values() if "/3-1/" in case.id]
     sphere = right(listed[0])
     assert len(listed) == 16
     for case in listed:
@@ -571,7 +573,7 @@ def test_a_fault_of_surfaces_is_caught_by_the_number_that_shows_it(
     """And by no bound that is not exceeded: the mesh without the fault passes."""
     case = CASES[case_id]
     break_it, number = FAULTS[fault]
-    mesh = METHODS["asymptotic-decider"](case.build(), case.isovalue)
+    mesh = METHODS["asymptotic-decider"](case.build(), case.isovalues[0])
     assert wrong(case, mesh) == set()
     assert number in wrong(case, break_it(mesh))
 
@@ -580,11 +582,11 @@ def test_a_fault_of_surfaces_is_caught_by_the_number_that_shows_it(
 def test_a_scale_by_n_over_n_minus_1_and_another_radius_are_caught(case_id: str) -> None:
     """The spacing of n samples taken for that of n - 1 intervals; a body half a cell too large."""
     case = CASES[case_id]
-    mesh = METHODS["asymptotic-decider"](case.build(), case.isovalue)
+    mesh = METHODS["asymptotic-decider"](case.build(), case.isovalues[0])
     N = body_of(case).shape[0]
     scaled = Mesh.of(mesh.vertices * N / (N - 1), mesh.simplices)
     assert "centroid" in wrong(case, scaled)
-    larger = METHODS["asymptotic-decider"](case.build(), case.isovalue - 0.5)
+    larger = METHODS["asymptotic-decider"](case.build(), case.isovalues[0] - 0.5)
     assert {"mean", "to_body"} <= wrong(case, larger)
 
 
@@ -607,15 +609,16 @@ def test_shifts_orientation_and_doubling_are_caught_in_every_kind(case_id: str) 
 
 def test_cases_are_posed_as_the_design_says() -> None:
     """As floats and as bytes, of 2^e and 2^e + 1 samples, with no sample at its isovalue."""
-    assert len(CASES) == len(cases.cases()) == 4 * len(BODIES)
-    for case in CASES.values():
+    assert len(CASES) == 4 * len(BODIES)
+    for case in cases.cases():
         body = body_of(case)
         field = case.build()
         assert field.shape == body.shape
         assert case.samples == np.prod(field.shape)
         assert {N & (N - 1) == 0 for N in body.shape} in ({True}, {False})
         assert field.values.dtype == np.dtype(case.id.rsplit("-", 1)[1])
-        assert not (field.values == case.isovalue).any()
+        assert len(case.isovalues) == body.m
+        assert not (field.values == case.isovalues[0]).any()
         if field.values.dtype == np.uint8:
             assert np.ptp(field.values) > 120
 
@@ -624,7 +627,7 @@ def test_cases_are_frozen() -> None:
     """The same numbers for ever: a checksum of all samples of a few cases of each kind."""
     digest = sha256()
     for n, m in KINDS:
-        for case in list(cases.of_kind(n, m))[:4]:
+        for case in [case for case in cases.of_kind(n, m) if case.id in CASES][:4]:
             values = case.build().values
             digest.update(values.astype(values.dtype.newbyteorder("<")).tobytes())
     assert digest.hexdigest()[:16] == "536aae58505243be"

@@ -1,0 +1,225 @@
+"""Claims on curves, k = 1: their number, their links, and the surfaces that they lie on.
+
+The segments of the mesh are joined into curves (`isograde.oracles.chains`); what is known of the
+case are its "closed" and "open" curves and, where two surfaces meet, the curves themselves
+(`isograde.oracles.space_curves`). Labels and lattices that are not the field's may be too coarse
+for these cases: nothing is said of them here, and bodies are known that judge them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from isoref.field import Floats
+
+from isograde.claims.evidence import complex_of, failed, on_mesh, passed, remembered, skipped
+from isograde.declaration import Declaration
+from isograde.model import CURVES, Claim, Finding, Kind, Trial
+from isograde.oracles import space_curves
+from isograde.oracles.chains import curves_of
+from isograde.oracles.space_curves import KnownCurves
+
+# An answer in single precision is within this share of the extent of the lattice.
+ROUNDING = 1e-6
+# Where surfaces touch, an error of h^2 in the values moves a curve by about h: so many cells.
+TOUCHING = 3
+
+
+def resolves(declared: Declaration) -> bool:
+    """It sees values, at the samples of the field."""
+    return declared.interpolant != "labels" and declared.vertices != "own"
+
+
+def on_edges(declared: Declaration) -> bool:
+    """Its vertices are crossings."""
+    return declared.interpolant != "labels" and declared.vertices == "edges"
+
+
+def leaves_ends_open(declared: Declaration) -> bool:
+    """A curve that leaves the lattice stays open."""
+    return resolves(declared) and all(end.end == "open" for end in declared.domain)
+
+
+def curves(trial: Trial) -> list[Floats]:
+    """The curves of the plain outcome, in the field's coordinates; closed ones repeat a point."""
+
+    def compute() -> list[Floats]:
+        found = complex_of(trial)
+        places = trial.field.position(found.points)
+        return [places[curve] for curve in curves_of(found.simplices)]
+
+    return remembered(trial, "curves", compute)
+
+
+def known(trial: Trial) -> KnownCurves:
+    """The curves of the case."""
+    shape: KnownCurves = trial.case.facts["curves"]
+    return shape
+
+
+def spacing(trial: Trial) -> float:
+    """The longest edge of a cell."""
+    return max(trial.field.spacing)
+
+
+def count(trial: Trial) -> Finding:
+    """Pass when there are as many closed and open curves as are known."""
+    closed = sum(map(space_curves.is_closed, curves(trial)))
+    found = {"closed": closed, "open": len(curves(trial)) - closed}
+    expected = {word: trial.case.facts[word] for word in found}
+    if found != expected:
+        return failed(
+            f"{closed} closed and {found['open']} open curves, where there are "
+            f"{expected['closed']} and {expected['open']}",
+            found=found,
+            expected=expected,
+        )
+    return passed(**found)
+
+
+def linking(trial: Trial) -> Finding:
+    """Pass when closed curves are linked and knotted as the known ones are."""
+    closed = [curve for curve in curves(trial) if space_curves.is_closed(curve)]
+    shape = known(trial)
+    expected = {"links": list(shape.links), "determinants": list(shape.determinants)}
+    links = space_curves.linking_numbers(closed)
+    found = {"links": links, "determinants": sorted(map(space_curves.knot_determinant, closed))}
+    if found != expected:
+        return failed(
+            f"linking numbers {links} and determinants {found['determinants']} of knots, where "
+            f"they are {expected['links']} and {expected['determinants']}",
+            found=found,
+            expected=expected,
+        )
+    return passed(**found)
+
+
+def on_surfaces(trial: Trial) -> Finding:
+    """Pass when at every vertex both functions are at most M h^2 / 2 from their isovalues.
+
+    Linear interpolation along an edge errs by M h^2 / 8 at most; a plane through three such points
+    in a cell whose diagonal is sqrt(3) h adds 3 M h^2 / 8 at most.
+    """
+    points = np.concatenate([*curves(trial), np.empty((0, 3))])
+    if not len(points):
+        return failed("there is no curve where surfaces meet")
+    shape, h = known(trial), spacing(trial)
+    shares = []
+    for function, bend in zip((shape.first, shape.second), shape.bend(h), strict=True):
+        value = float(np.abs(function(*points.T)).max())
+        shares.append(value / (bend * h**2 / 2 + ROUNDING))
+    numbers = {"first": shares[0], "second": shares[1]}
+    if max(shares) > 1:
+        return failed(
+            f"the functions reach {shares[0]:.3g} and {shares[1]:.3g} of the bound M h^2 / 2",
+            **numbers,
+        )
+    return passed(**numbers)
+
+
+def covers(trial: Trial) -> Finding:
+    """Pass when found and known curves are within a cell's diagonal of each other."""
+    shape, found = known(trial), curves(trial)
+    if not found:
+        return failed("there is no curve where surfaces meet")
+    cells = 1 if shape.transversal else TOUCHING
+    bound = cells * float(np.linalg.norm(trial.field.spacing))
+    missing = float(space_curves.distances(np.concatenate(shape.curves), found).max())
+    astray = float(space_curves.distances(np.concatenate(found), shape.curves).max())
+    if max(missing, astray) > bound:
+        return failed(
+            f"known curves are up to {missing:.3g} from the found ones, and those up to "
+            f"{astray:.3g} from the known ones; allowed is {bound:.3g}",
+            missing=missing,
+            astray=astray,
+            bound=bound,
+        )
+    return passed(missing=missing, astray=astray, bound=bound)
+
+
+def identical(trial: Trial) -> Finding:
+    """Pass when there is no segment where both surfaces are the same."""
+    segments = len(trial.mesh.simplices)
+    return failed(f"{segments} segments", segments=segments) if segments else passed()
+
+
+def _claim(
+    name: str,
+    rule: str,
+    source: str,
+    level: int | None,
+    judge: Callable[[Trial], Finding],
+    tags: set[str],
+    fact: str,
+    families: Callable[[Declaration], bool] = resolves,
+    kinds: Callable[[Kind], bool] = lambda kind: kind == CURVES,
+    promised: bool = True,
+) -> Claim:
+    """A claim of this family, on cases of which this fact is known, if any need be."""
+
+    def of_trial(trial: Trial) -> Finding:
+        if fact and fact not in trial.case.facts:
+            return skipped("of a part of a case nothing is known")
+        return judge(trial)
+
+    return Claim(
+        f"curves.{name}", rule, source, level, on_mesh(of_trial),
+        kinds=kinds, families=families, tags=frozenset(tags), promised=promised,
+    )  # fmt: skip
+
+
+FORMULA = "the formula of the fields"
+CLAIMS = (
+    _claim(
+        "count",
+        "Of known curves there are as many closed ones and as many open ones as there should be.",
+        FORMULA,
+        2,
+        count,
+        {"known"},
+        "closed",
+        leaves_ends_open,
+        lambda kind: kind.k == 1,
+    ),
+    _claim(
+        "linking",
+        "Closed curves are linked and knotted as the known ones are.",
+        "linking numbers by Gauss's integral; knot determinants by Fox's colourings",
+        2,
+        linking,
+        {"known"},
+        "curves",
+        leaves_ends_open,
+    ),
+    _claim(
+        "on_surfaces",
+        "At every vertex of a known curve both functions are within M h^2 / 2 of their isovalues.",
+        "the error of linear interpolation",
+        None,
+        on_surfaces,
+        {"known"},
+        "curves",
+        on_edges,
+    ),
+    _claim(
+        "covers",
+        "Found and known curves are within a cell's diagonal of each other, "
+        f"{TOUCHING} where surfaces touch.",
+        FORMULA,
+        None,
+        covers,
+        {"known", "touching"},
+        "curves",
+    ),
+    _claim(
+        "identical",
+        "Where both surfaces are the same there is no curve.",
+        "Ljung & Ynnerman, appendix A: two identical surfaces lead to N intersection tests",
+        None,
+        identical,
+        {"identical"},
+        "",
+        promised=False,
+    ),
+)
