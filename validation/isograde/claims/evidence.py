@@ -9,6 +9,7 @@ implementation may have one vertex or several there. Nothing is welded anywhere 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -163,12 +164,54 @@ def traces_of(trial: Trial) -> Traces:
     )
 
 
-def undecided(trial: Trial, cells: Booleans) -> Finding | None:
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """The samples in which an implementation says its mesh ends, and its mesh among them.
+
+    Attributes
+    ----------
+    lattice : these samples
+    corner : (n,) the first of them, as a sample of the field
+    mesh : the mesh, in the index coordinates of `lattice`
+    """
+
+    lattice: Lattice
+    corner: Integers
+    mesh: Complex
+
+    def of_field(self, place: Integers) -> list[int]:
+        """A sample or a cell of this lattice, by its index in the field."""
+        return [int(i) for i in np.asarray(place) + self.corner]
+
+
+def domain_of(trial: Trial) -> Domain:
+    """The part of the lattice in which cells are judged: those that are wholly in the domain."""
+
+    def compute() -> Domain:
+        lattice, corner = lattice_of(trial).within
+        found = complex_of(trial)
+        if corner.any():
+            found = Complex(found.points - corner, found.simplices)
+        return Domain(lattice, corner, found)
+
+    return remembered(trial, "domain", compute)
+
+
+def cells_of(trial: Trial) -> Traces:
+    """What the surface does in each cell of the domain; for surfaces in space only."""
+    domain = domain_of(trial)
+    if domain.lattice is lattice_of(trial):
+        return traces_of(trial)
+    mesh = domain.mesh
+    return remembered(trial, "cells", lambda: traces(domain.lattice, mesh.points, mesh.simplices))
+
+
+def undecided(found: Traces, cells: Booleans) -> Finding | None:
     """What to say where no cell is wrong and these cells are not judged; None where all are.
 
-    cells : (n,) of `traces_of(trial)`, with too many flat triangles
+    cells : (n,) of `found`, with too many flat triangles
     """
-    count = int((cells & ~traces_of(trial).tied).sum())
+    count = int((cells & ~found.tied).sum())
     if not count:
         return None
     return skipped(

@@ -84,6 +84,20 @@ def _window(n: int, axes: tuple[int, int], corner: tuple[int, int]) -> tuple[sli
     return tuple(window)
 
 
+def faces_of(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Array]:
+    """The ambiguous faces of the active cells, each as seen from a cell.
+
+    Returns
+    -------
+    row, face : (m,) index into `traces` and into its six faces
+    values : (m, 4) samples at the face's corners 00, 10, 01, 11
+    """
+    row, face = np.nonzero(traces.ambiguous)
+    corners = np.array([_corners(*f) for f in FACES])[face]
+    i, j, k = np.moveaxis(traces.place[row][:, None, :] + corners, -1, 0)
+    return row, face, components(lattice.field)[0][i, j, k]
+
+
 def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integers, Floats]:
     """The ambiguous faces of the active cells, and on which side each one's saddle is.
 
@@ -92,10 +106,7 @@ def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integ
     row, face : (m,) index into `traces` and into its six faces
     sign, clarity : (m,) as in `saddle_sign`
     """
-    row, face = np.nonzero(traces.ambiguous)
-    corners = np.array([_corners(*f) for f in FACES])[face]
-    i, j, k = np.moveaxis(traces.place[row][:, None, :] + corners, -1, 0)
-    values = lattice.field.values[i, j, k]
+    row, face, values = faces_of(lattice, traces)
     sign, clarity = saddle_sign(values, lattice.isovalue)
     return row, face, sign, clarity
 

@@ -26,7 +26,7 @@ outside, no sample is tied.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from functools import cached_property
 from itertools import combinations
@@ -106,6 +106,36 @@ class Lattice:
         """(n,) where the domain ends; the period of a periodic axis is one cell longer."""
         extra = [float(end.end == "periodic") for end in self.ends]
         return np.subtract(self.shape, 1.0) - self.first + extra
+
+    @cached_property
+    def within(self) -> tuple[Lattice, Integers]:
+        """The samples inside the domain as a lattice of their own, and (n,) where it begins here.
+
+        Along a periodic axis the first sample comes again after the last, unless a split of the
+        cells does not fit. The new lattice is open in its border where the mesh ends there, and
+        closed behind it where the mesh goes on.
+        """
+        start = np.ceil(self.first - self.tolerance).astype(np.int64)
+        stop = np.floor(self.last + self.tolerance).astype(np.int64)
+        period = (1,) * self.n
+        if self.declared.interpolant == "tetrahedra":
+            period = self.declared.split.period(self.n)
+        taken, ends = [], []
+        for axis, (end, size) in enumerate(zip(self.ends, self.shape, strict=True)):
+            if end.end != "periodic" or size % period[axis]:
+                start[axis] = max(start[axis], 0)
+                stop[axis] = min(stop[axis], size - 1)
+            taken.append(np.arange(start[axis], stop[axis] + 1) % size)
+            stops_here = end.end == "open" and end.inset >= 0 and end.inset % 1 == 0
+            ends.append(End() if stops_here else End(-0.5, "closed"))
+        same = all(np.array_equal(one, np.arange(n)) for one, n in zip(taken, self.shape, strict=True))
+        if same and all(end.end == "open" and not end.inset for end in self.ends):
+            return self, start
+        window = (..., *np.ix_(*taken))
+        origin = tuple(self.field.position(start).tolist())
+        field = replace(self.field, values=self.field.values[window], origin=origin)
+        declared = replace(self.declared, domain=tuple(ends))
+        return Lattice(field, self.isovalues, self.sides[window], declared), start
 
     @cached_property
     def tolerance(self) -> float:
