@@ -41,6 +41,7 @@ from isoref.field import Booleans, Floats, Integers
 from isograde.claims.evidence import (
     Domain,
     cells_of,
+    complex_of,
     domain_of,
     failed,
     on_mesh,
@@ -50,9 +51,10 @@ from isograde.claims.evidence import (
     skipped,
     undecided,
 )
+from isograde.claims.geometry import whole_of
 from isograde.declaration import Declaration
 from isograde.model import CONTOURS, SURFACES, Claim, Finding, Judge, Kind, Trial
-from isograde.oracles.bilinear import faces_of
+from isograde.oracles.bilinear import faces_of, saddles
 from isograde.oracles.dual import in_a_star
 from isograde.oracles.split import Sections, sections
 from isograde.oracles.squares import Squares, squares
@@ -222,7 +224,7 @@ def _sections_legal(trial: Trial) -> Finding:
     astray = _free(domain, found.astray)
     if len(astray):
         return _spanning(domain, astray, "simplices of the mesh are in no one simplex of the split")
-    judged = ~found.tied.any(axis=1)
+    judged = np.asarray(~found.tied.any(axis=1))
     if not judged.any():
         return skipped(NOBODY)
     return _by_section(domain, found, judged, ~found.right, "is not the section that the signs say")
@@ -261,9 +263,6 @@ def _dual(trial: Trial) -> Finding:
 
 def domain_of_dual(trial: Trial) -> Domain:
     """All samples: the mesh of a dual method ends in the border layer of cells."""
-    from isograde.claims.evidence import complex_of
-    from isograde.claims.geometry import whole_of
-
     corner = np.zeros(trial.kind.n, np.int64)
     return Domain(whole_of(trial), corner, complex_of(trial))
 
@@ -290,6 +289,10 @@ def _triangles(trial: Trial) -> Finding:
     found = cells_of(trial)
     traces = found.settled
     judged = ~traces.tied & ~traces.unjudged & (traces.separated | traces.joined).all(axis=1)
+    if trial.declaration.interpolant == "multilinear":
+        # Where a saddle is on the surface, an inner vertex may come to stand in the face.
+        row, _, sign, _ = saddles(domain_of(trial).lattice, found)
+        judged[row[sign == 0]] = False
     if not judged.any():
         return undecided(found, traces.unjudged) or skipped(NOBODY)
     more = traces.excess
@@ -357,8 +360,8 @@ def ambiguous_of(trial: Trial) -> Ambiguous:
             )
         traces = cells_of(trial)
         row, face, values = faces_of(domain_of(trial).lattice, traces)
-        on = ~traces.tied[row] & ~traces.undecided[row, face]
-        row, face, values = row[on], face[on], values[on]
+        free = ~traces.tied[row] & ~traces.undecided[row, face]
+        row, face, values = row[free], face[free], values[free]
         return Ambiguous(
             traces.place[row],
             face,

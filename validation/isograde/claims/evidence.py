@@ -137,8 +137,7 @@ def welded_at_ties(trial: Trial) -> Complex:
         found, lattice = complex_of(trial), lattice_of(trial)
         at = np.flatnonzero(lattice.at_tie(found.points))
         sample = np.rint(found.points[at]).astype(np.int64)
-        flat = np.ravel_multi_index(tuple(sample.T), lattice.shape)
-        _, first, group = np.unique(flat, return_index=True, return_inverse=True)
+        _, first, group = np.unique(sample, axis=0, return_index=True, return_inverse=True)
         name = np.arange(len(found.points))
         name[at] = at[first[group.reshape(-1)]]
         points = found.points.copy()
@@ -172,7 +171,7 @@ class Domain:
     ----------
     lattice : these samples
     corner : (n,) the first of them, as a sample of the field
-    mesh : the mesh, in the index coordinates of `lattice`
+    mesh : the mesh, in the index coordinates of `lattice`; vertices of equal coordinates are one
     """
 
     lattice: Lattice
@@ -189,7 +188,7 @@ def domain_of(trial: Trial) -> Domain:
 
     def compute() -> Domain:
         lattice, corner = lattice_of(trial).within
-        found = complex_of(trial)
+        found = _at_places(trial)
         if corner.any():
             found = Complex(found.points - corner, found.simplices)
         return Domain(lattice, corner, found)
@@ -197,12 +196,19 @@ def domain_of(trial: Trial) -> Domain:
     return remembered(trial, "domain", compute)
 
 
+def _at_places(trial: Trial) -> Complex:
+    """The mesh, vertices of equal coordinates made one: cells are judged by places."""
+    found = complex_of(trial)
+    welded = found.welded()
+    return found if len(welded.points) == len(found.points) else welded
+
+
 def cells_of(trial: Trial) -> Traces:
     """What the surface does in each cell of the domain; for surfaces in space only."""
     domain = domain_of(trial)
-    if domain.lattice is lattice_of(trial):
-        return traces_of(trial)
     mesh = domain.mesh
+    if domain.lattice is lattice_of(trial) and mesh is complex_of(trial):
+        return traces_of(trial)
     return remembered(trial, "cells", lambda: traces(domain.lattice, mesh.points, mesh.simplices))
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from isoref.field import Booleans, Floats
+from isoref.field import Booleans, Floats, Integers
 
 from isograde.claims.evidence import (
     clusters,
@@ -35,6 +35,7 @@ from isograde.claims.evidence import (
 )
 from isograde.declaration import Declaration
 from isograde.model import Claim, Finding, Kind, Trial
+from isograde.oracles.bilinear import tied_saddles
 from isograde.oracles.complexes import Complex
 from isograde.oracles.crossing_segments import crossing_segments
 from isograde.oracles.lattice import SINGLE, Lattice, components, crossing_share
@@ -113,6 +114,9 @@ def _allowed(trial: Trial, places: Floats) -> Booleans:
     right = (dimension == trial.kind.n) | (dimension == trial.kind.m)
     if trial.kind.m > 1:
         right |= dimension > trial.kind.m
+    elif declared.interpolant == "multilinear":
+        # Where a saddle is on the surface, a vertex inside the cell may come to stand in the face.
+        right |= (dimension == 2) & tied_saddles(lattice, low, along)
     return np.asarray(right & mixed(lattice, low, along) & _in_lattice(lattice, places))
 
 
@@ -185,26 +189,25 @@ def crossing(trial: Trial) -> Finding:
         # Allow for values kept in single precision, whose differences lose digits.
         size = np.maximum(np.maximum(np.abs(a), np.abs(b)), abs(lattice.isovalue))
         slack = lattice.tolerance + 8 * SINGLE * size / np.abs(b - a)
-    error = np.abs(found - share)
+    error, at = np.abs(found - share), low + found[:, None] * (high - low)
     # Inner vertices of a cell with tied corners may come to stand on one of its edges.
     bad = np.flatnonzero(error > slack)
-    bad = bad[~lattice.beside_tie(low[bad] + found[bad, None] * (high[bad] - low[bad]))]
+    bad = bad[~lattice.beside_tie(np.asarray(at[bad], np.float64))]
     numbers = {"vertices": len(found), "largest_error": float(error.max())}
     if not len(bad):
         return passed(**numbers)
-    first = int(bad[0])
-    at = low[first] + found[first] * (high[first] - low[first])
+    first = place(at[bad[0]])
     where = "halfway" if trial.declaration.interpolant == "labels" else "at the linear crossing"
     return failed(
-        f"{len(bad)} of {len(found)} vertices on edges, the first at index {place(at)}, are not "
+        f"{len(bad)} of {len(found)} vertices on edges, the first at index {first}, are not "
         f"{where}",
         wrong=len(bad),
-        first=place(at),
+        first=first,
         **numbers,
     )
 
 
-def _edges_under(lattice: Lattice, places: Floats) -> tuple[Floats, Floats, Floats]:
+def _edges_under(lattice: Lattice, places: Floats) -> tuple[Integers, Integers, Floats]:
     """The ends (r, n) of the edges that some of the places stand on, and the share of the way."""
     if lattice.declared.interpolant != "tetrahedra":
         low, along = least_faces(lattice, places)
@@ -225,6 +228,9 @@ def embedded(trial: Trial) -> Finding:
     parts = found.simplices
     if len(parts) < 2:
         return skipped("there are not two simplices")
+    lattice = lattice_of(trial)
+    if any(end.end == "closed" for end in lattice.ends) and (lattice.last <= lattice.first).any():
+        return skipped("between closed ends that fall together the two sides of a body touch")
     pairs = (
         self_intersections(found.points, parts)
         if found.k == 2
@@ -232,7 +238,9 @@ def embedded(trial: Trial) -> Finding:
     )
     # Sheets may touch at a tied sample, and fold where its crossings fall together.
     corners = found.points[parts[pairs]].reshape(-1, trial.kind.n)
-    beside = lattice_of(trial).beside_tie(corners).reshape(len(pairs), 2 * (found.k + 1)).any(axis=1)
+    beside = (
+        lattice_of(trial).beside_tie(corners).reshape(len(pairs), 2 * (found.k + 1)).any(axis=1)
+    )
     pairs = pairs[~beside]
     name = {1: "segments", 2: "triangles"}[found.k]
     if not len(pairs):

@@ -51,9 +51,13 @@ def trilinear(trial: Trial) -> Finding:
     judged = (truths.ties == NONE) & ~_near_a_corner(lattice.tied, index)
     if not judged.any():
         return skipped("every cell of the surface is a tie: it has no single right answer")
-    mesh = domain.mesh.welded()
+    mesh = domain.mesh
+    # What is beyond the samples is in no cell.
+    inner = np.clip(mesh.points, 0, np.subtract(values.shape, 1))
+    far = np.asarray((np.abs(mesh.points - inner) > lattice.tolerance).any(axis=1))
+    parts = mesh.simplices[~far[mesh.simplices].any(axis=1)]
     found = np.array(
-        judge(mesh.points, mesh.simplices, index, truths, values.shape, lattice, judged), np.str_
+        judge(mesh.points, parts, index, truths, values.shape, lattice, judged), np.str_
     )
     names = case_names(truths)
     open_ = judged & (found == Fault.UNDECIDED)

@@ -62,6 +62,29 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
 
 
+def tied_saddles(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
+    """(r,) which of these faces, along two axes each, have their saddle on the isovalue.
+
+    Parameters
+    ----------
+    low : (r, n) the lowest sample of each face
+    along : (r, n) the axes along which it runs; a row without exactly two is no face of two
+    """
+    tied = np.zeros(len(low), bool)
+    there = (low + along < lattice.shape).all(axis=1)
+    rows = np.flatnonzero((along.sum(axis=1) == 2) & there)
+    if not len(rows):
+        return tied
+    one, other = (along[rows].cumsum(axis=1) == step for step in (1, 2))
+    steps = [np.zeros_like(low[rows]), one & along[rows], other & along[rows], along[rows]]
+    corners = np.moveaxis(np.stack([low[rows] + step for step in steps], axis=1), -1, 0)
+    a, b, c, d = lattice.inside[tuple(corners)].T
+    ambiguous = np.flatnonzero((a == d) & (b == c) & (a != b))
+    values = components(lattice.field)[0][tuple(corners)][ambiguous]
+    tied[rows[ambiguous]] = saddle_sign(values, lattice.isovalue)[0] == 0
+    return tied
+
+
 def tied_saddle(lattice: Lattice) -> bool:
     """Whether some ambiguous face of the lattice has its saddle exactly on the isovalue."""
     values, inside = components(lattice.field)[0], lattice.inside

@@ -188,7 +188,7 @@ def _active(lattice: Lattice, corner: Integers, simplices: Integers) -> Integers
     first = -(corner % period)
     count = np.ceil((np.subtract(lattice.shape, 1) - first) / period).astype(np.int64)
     found = []
-    blocks = np.stack(np.indices(np.maximum(count, 0)), axis=-1).reshape(-1, lattice.n)
+    blocks = np.moveaxis(np.indices(np.maximum(count, 0)), 0, -1).reshape(-1, lattice.n)
     blocks = blocks * period + first
     for number, simplex in enumerate(simplices):
         at = blocks[_in_lattice(lattice, blocks[:, None, :] + simplex)]

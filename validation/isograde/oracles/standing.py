@@ -75,7 +75,7 @@ def near_active(lattice: Lattice, places: Floats, reach: float) -> Booleans:
     open_ = np.arange(len(places))
     for offset in offsets:
         cell = base[open_] + offset
-        known = ((cell >= 0) & (cell < cells.shape)).all(axis=1)
+        known = np.asarray(((cell >= 0) & (cell < cells.shape)).all(axis=1))
         known[known] = cells[tuple(cell[known].T)]
         gap = np.maximum(np.maximum(cell - places[open_], places[open_] - cell - 1), 0)
         known &= np.sqrt((gap**2).sum(axis=1)) <= slack
