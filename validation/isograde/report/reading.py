@@ -119,6 +119,11 @@ class Summary:
             return "pass"
         return "unsupported" if self.counts[Verdict.UNSUPPORTED] else "no evidence"
 
+    @property
+    def only_with_ties(self) -> bool:
+        """It fails, and only on fields with ties."""
+        return bool(self.bad) and self.bad == bad_in(self.tied)
+
 
 def bad_in(counts: Mapping[str, int]) -> int:
     """Findings that say something went wrong."""
