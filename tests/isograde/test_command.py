@@ -151,7 +151,7 @@ def test_every_claim_is_explained(name: str) -> None:
 @pytest.mark.parametrize(
     ("adapter", "words"),
     [
-        ("python", "function(values, isovalue, spacing)"),
+        ("python", "extract(values, isovalue, spacing)"),
         ("exec", "``id``"),
         ("dir", "manifest.json"),
         ("declaration", "not_promised"),
