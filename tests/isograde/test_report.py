@@ -5,7 +5,7 @@ import json
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import jsonschema
 import numpy as np
@@ -13,7 +13,7 @@ import pytest
 from isograde.adapters.registry import READY_MADE
 from isograde.declaration import Conventions, Declaration
 from isograde.grading import contrast, grade
-from isograde.model import SURFACES, Finding, Verdict
+from isograde.model import SURFACES, Case, Finding, Verdict
 from isograde.report import FORMATS, lines, reading, record, shown, words, write, write_whole
 from isograde.report.badge import badge
 from isograde.report.comparison import changes, comparison_page, markdown_table
@@ -279,7 +279,7 @@ def test_junit_skips_conventions_and_claims_without_evidence() -> None:
     assert root.get("failures") == "0"
 
 
-def _nothing(pair: tuple[object, Judged]) -> tuple[object, Judged]:
+def _nothing(pair: tuple[Case, Judged]) -> tuple[Case, Judged]:
     """The row with no evidence on types."""
     asked, judged = pair
     found = {**judged.findings, "robustness.dtype": Finding(Verdict.SKIP, "no")}
@@ -476,7 +476,7 @@ def test_an_order_is_shown_with_its_interval() -> None:
 
 
 def test_the_page_says_what_is_declared_in_four_words() -> None:
-    declared = {
+    declared: dict[str, Any] = {
         "interpolant": "labels", "vertices": {"own": 1.5}, "level": 2, "mesh": {"soup": 1e-6},
         "domain": ["open", "closed", {"inset": 0.5, "end": "open"}], "promised": ["cells.join"],
     }  # fmt: skip
