@@ -11,7 +11,7 @@ by half steps: twice the index coordinates, so that a node on a lattice edge has
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from functools import cache, partial
@@ -20,8 +20,9 @@ from typing import Any
 
 import numpy as np
 from isograde.adapters.conventions import to_house
-from isograde.model import Conventions, Declaration, Limits, Outcome, Request, Status
-from isograde.oracles.halfedges import components_of
+from isograde.declaration import Declaration, declaration_from
+from isograde.model import Limits, Outcome, Request, Status
+from isograde.oracles.complexes import components_of
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.spatial import ConvexHull
@@ -253,16 +254,20 @@ class Miniature:
 
     breaks : the claim that catches it, or nothing for a correct one
     follows : claims that may fail as a consequence
+    says : what it declares beside its level, as JSON
     """
 
     name: str
     run: Function
     breaks: str = ""
     follows: tuple[str, ...] = ()
-    conventions: Conventions = fresh(default_factory=Conventions)
-    without: frozenset[str] = frozenset()
+    says: Mapping[str, Any] = fresh(default_factory=dict)
     level: int = 2
-    connectivity: str = ""
+
+    @property
+    def declaration(self) -> Declaration:
+        """What it declares."""
+        return declaration_from({**self.says, "level": self.level}, self.name)
 
 
 class Inside:
@@ -273,14 +278,7 @@ class Inside:
 
     def open(self, limits: Limits) -> Declaration:
         """What the miniature declares."""
-        m = self.miniature
-        return Declaration(
-            m.name,
-            level=m.level,
-            conventions=m.conventions,
-            without=m.without,
-            connectivity=m.connectivity,
-        )
+        return self.miniature.declaration
 
     def run(self, request: Request) -> Outcome:
         """The outcome of one call, in the house's conventions."""
@@ -288,13 +286,15 @@ class Inside:
         values = np.lib.stride_tricks.as_strided(values, values.shape, values.strides)
         before = values.copy()
         try:
-            vertices, faces = self.miniature.run(values, request.isovalue, request.field.spacing)
+            vertices, faces = self.miniature.run(
+                values, request.isovalues[0], request.field.spacing
+            )
         except ValueError as error:
             outcome = Outcome(Status.RAISED, detail=str(error))
         else:
             changed = not np.array_equal(before, values, equal_nan=values.dtype.kind == "f")
             outcome = Outcome(Status.OK, vertices, faces, input_changed=changed)
-        return to_house(outcome, request, self.miniature.conventions)
+        return to_house(outcome, request, self.miniature.declaration.conventions)
 
     def close(self) -> None:
         """Nothing to stop."""
@@ -593,9 +593,11 @@ def trilinear(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Ans
     return mesh.vertices, mesh.simplices
 
 
-TIES_FOLLOW = ("robustness.ties",)
+BY_PLACE = {"not_promised": ["symmetry.translation", "symmetry.orientation"]}
+TO_HIGH = {"conventions": {"normals": "to_high"}}
+TIES_FOLLOW = ("topology.ties",)
 # Two holes at a lattice edge cut the faces round its vertex into two fans.
-HOLES_FOLLOW = ("topology.vertex_manifold", *TIES_FOLLOW)
+HOLES_FOLLOW = ("topology.manifold", *TIES_FOLLOW)
 
 CORRECT = (
     Miniature("separates", plain),
@@ -603,26 +605,36 @@ CORRECT = (
     Miniature("asymptotic", made(decide=asymptotic), level=3),
     Miniature("trilinear", trilinear, level=4),
     Miniature("means", made(decide=by_mean)),
-    Miniature("mixed", made(decide=by_mean), connectivity="mixed"),
+    Miniature("mixed", made(decide=by_mean), says={"promised": ["cells.mean"]}),
     Miniature("inner vertices", made(cut=star)),
     Miniature("joins, inner vertices", made(decide=together, cut=star)),
-    Miniature("ties outside", made(tie_inside=False), conventions=Conventions(tie="outside")),
-    Miniature("normals to high", changed(turned_over), conventions=Conventions(normals="to_high")),
+    Miniature("ties outside", made(tie_inside=False), says={"conventions": {"tie": "outside"}}),
+    Miniature(
+        "normals to high", changed(turned_over), says={"conventions": {"normals": "to_high"}}
+    ),
     Miniature(
         "axes reversed",
         reversed_axes,
-        conventions=Conventions(axes="reversed"),
+        says={"conventions": {"axes": "reversed"}},
     ),
     Miniature(
         "in samples",
         lambda values, isovalue, _: plain(values, isovalue, (1.0, 1.0, 1.0)),
-        conventions=Conventions(units="index"),
+        says={"conventions": {"units": "index"}},
     ),
-    Miniature("forgives NaN", forgives_nan, conventions=Conventions(nan="answers")),
-    Miniature("soup", changed(soup), without=frozenset({"welded"})),
-    Miniature("midpoints", made(midpoints=True), without=frozenset({"linear-crossing"})),
-    Miniature("chessboard", made(decide=by_place), without=frozenset({"symmetric-choices"})),
-    Miniature("by axis", made(decide=by_axis), without=frozenset({"symmetric-choices"})),
+    Miniature("forgives NaN", forgives_nan, says={"conventions": {"nan": "answers"}}),
+    Miniature("soup", changed(soup), says={"mesh": {"soup": 0.0}}),
+    Miniature("midpoints", made(midpoints=True), says={"interpolant": "labels"}),
+    Miniature(
+        "chessboard",
+        made(decide=by_place),
+        says=BY_PLACE,
+    ),
+    Miniature(
+        "by axis",
+        made(decide=by_axis),
+        says=BY_PLACE,
+    ),
     Miniature(
         "single precision",
         changed(lambda v, f: (v.astype(np.float32), f.astype(np.int32))),
@@ -632,72 +644,77 @@ CORRECT = (
 
 BROKEN = (
     Miniature("raises", raises_on_a_surface, "structure.answers"),
-    Miniature("quadrilaterals", changed(as_quadrilaterals), "structure.shapes"),
+    Miniature(
+        "quadrilaterals",
+        changed(as_quadrilaterals),
+        "structure.shapes",
+        ("structure.no_repeated_index",),
+    ),
     Miniature("NaN vertex", changed(with_nan), "structure.finite"),
     Miniature("index too far", changed(with_far_index), "structure.in_range"),
     Miniature("collapsed face", changed(with_collapsed_face), "structure.no_repeated_index"),
-    Miniature("purse", changed(with_purse), "structure.no_duplicate_face", ("counting.triangles",)),
+    Miniature("purse", changed(with_purse), "structure.no_duplicate", ("cells.count",)),
     Miniature("spare vertex", changed(with_spare_vertex), "structure.all_used"),
     Miniature("1987", made(decide=by_cell), "topology.closed", HOLES_FOLLOW),
     Miniature("soup undeclared", changed(soup), "topology.closed"),
     Miniature(
         "careless fan",
         made(decide=together, cut=careless_fan),
-        "topology.edge_manifold",
-        ("structure.no_duplicate_face", "cases.legal"),
+        "topology.manifold",
+        ("structure.no_duplicate", "cells.legal"),
     ),
     Miniature(
         "shared middle",
         made(cut=star, shared_middle=True),
-        "topology.vertex_manifold",
-        ("counting.triangles",),
+        "topology.manifold",
+        ("cells.count",),
     ),
     Miniature(
         "flipped face",
         changed(with_flipped_face),
         "topology.oriented",
-        ("topology.facing", *TIES_FOLLOW),
+        ("topology.sides", *TIES_FOLLOW),
     ),
     Miniature(
         "no specks",
         without_specks,
-        "topology.separates",
-        ("cases.legal", *TIES_FOLLOW),
+        "topology.sides",
+        ("cells.legal", *TIES_FOLLOW),
     ),
-    Miniature("turned over", changed(turned_over), "topology.facing"),
-    Miniature("fixed polarity", plain, "topology.bilinear", ("cases.frequencies",), level=3),
+    Miniature("turned over", changed(turned_over), "topology.sides"),
+    Miniature("fixed polarity", plain, "topology.bilinear", ("cells.frequencies",), level=3),
     Miniature(
         "face means",
         made(decide=by_mean),
         "topology.bilinear",
-        ("cases.frequencies",),
+        ("cells.frequencies",),
         level=3,
     ),
     Miniature(
         "bent border",
         changed(with_bent_border),
-        "geometry.on_edges",
-        ("cases.legal", "topology.bilinear"),
+        "geometry.vertices",
+        ("cells.legal", "topology.bilinear"),
     ),
-    Miniature("midpoints undeclared", made(midpoints=True), "geometry.linear_crossing"),
+    Miniature("midpoints undeclared", made(midpoints=True), "geometry.crossing"),
     Miniature(
         "flipped diagonal",
         changed(with_flipped_diagonal),
-        "cases.legal",
+        "cells.legal",
         ("symmetry.translation", "symmetry.orientation"),
     ),
     Miniature(
         "swapped middles",
         changed(with_swapped_middles, made(cut=star)),
-        "geometry.no_self_intersection",
+        "geometry.embedded",
     ),
-    Miniature("declared mixed", plain, "cases.cycles", connectivity="mixed"),
-    Miniature("counted wrong", plain, "cases.frequencies", ("topology.bilinear",), level=3),
+    Miniature("declared mixed", plain, "cells.mean", says={"promised": ["cells.mean"]}),
+    Miniature("counted wrong", plain, "cells.frequencies", ("topology.bilinear",), level=3),
     Miniature(
         "bubble",
         changed(with_bubble),
-        "counting.triangles",
-        ("geometry.no_self_intersection",),
+        "cells.count",
+        ("geometry.embedded",),
     ),
     Miniature(
         "chessboard undeclared",
@@ -708,9 +725,9 @@ BROKEN = (
     Miniature("by size", by_size, "symmetry.scaling"),
     Miniature("by isovalue", by_isovalue, "symmetry.shift"),
     Miniature("by axis undeclared", made(decide=by_axis), "symmetry.orientation"),
-    Miniature("in cubes", in_cubes, "robustness.spacing"),
-    Miniature("memory order", in_memory_order, "robustness.layout"),
-    Miniature("their type", in_their_type, "robustness.dtype"),
+    Miniature("in cubes", in_cubes, "symmetry.spacing"),
+    Miniature("memory order", in_memory_order, "symmetry.layout"),
+    Miniature("their type", in_their_type, "symmetry.type"),
     Miniature("in place", in_place, "robustness.input_unmodified"),
     Miniature("shuffled", changed(shuffled), "robustness.deterministic"),
     Miniature("NaN undeclared", forgives_nan, "robustness.nan"),
@@ -719,12 +736,12 @@ BROKEN = (
     Miniature(
         "leaves ties out",
         changed(without_touching),
-        "robustness.ties",
+        "topology.ties",
         (
             "structure.all_used",
             "topology.closed",
-            "topology.vertex_manifold",
-            "topology.separates",
+            "topology.manifold",
+            "topology.sides",
         ),
     ),
     Miniature("missing tunnel", made(decide=asymptotic), "topology.trilinear", level=4),
@@ -732,14 +749,14 @@ BROKEN = (
         "wrong face",
         plain,
         "topology.trilinear",
-        ("topology.bilinear", "cases.frequencies"),
+        ("topology.bilinear", "cells.frequencies"),
         level=4,
     ),
     Miniature(
         "false tunnel",
         changed(with_false_tunnel, trilinear),
         "topology.trilinear",
-        ("geometry.no_self_intersection", "symmetry.translation", "symmetry.orientation"),
+        ("geometry.embedded", "symmetry.translation", "symmetry.orientation"),
         level=4,
     ),
     Miniature(
@@ -747,12 +764,12 @@ BROKEN = (
         changed(with_pinch, trilinear),
         "topology.trilinear",
         (
-            "structure.no_duplicate_face",
-            "topology.edge_manifold",
-            "topology.vertex_manifold",
-            "geometry.no_self_intersection",
-            "cases.legal",
-            "counting.triangles",
+            "structure.no_duplicate",
+            "topology.manifold",
+            "topology.manifold",
+            "geometry.embedded",
+            "cells.legal",
+            "cells.count",
         ),
         level=4,
     ),

@@ -2,39 +2,20 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
+import jsonschema
+from isograde.cases import Catalogue
 from isograde.declaration import Declaration, declaration_from
-from isograde.model import SURFACES, Case, Claim, Finding, Kind, Limits, Trial, Verdict
+from isograde.grading import Writer
+from isograde.model import SURFACES, Adapter, Case, Claim, Finding, Kind, Trial, Verdict
 from isograde.report import record
+from isograde.report.lines import schema
 from isograde.report.reading import Report, gather
+from isograde.runner import Judged, Options, Worker, claims_for, plan
 from isoref.field import Field
-
-
-@dataclass(frozen=True)
-class Options:
-    """As the runner's."""
-
-    seed: int = 0
-    full: bool = False
-    only: tuple[str, ...] = ()
-    limits: Limits = field(default_factory=Limits)
-    jobs: int = 1
-
-
-@dataclass(frozen=True)
-class Judged:
-    """As the runner's."""
-
-    case: str
-    kind: Kind
-    findings: Mapping[str, Finding]
-    general: bool | None = True
-    seconds: float = 0.0
-    calls: int = 1
-    evidence: Any = None
 
 
 def judge(trial: Trial) -> Finding:
@@ -67,7 +48,6 @@ CLAIMS: dict[str, Claim] = {
         claim("robustness.nan", None, needs_mesh=False),
     )
 }
-Row = tuple[str, bool | None, Mapping[str, Any]]
 
 
 def case(name: str, kind: Kind = SURFACES, tags: Iterable[str] = ()) -> Case:
@@ -114,12 +94,35 @@ def made(
     declaration: Declaration = declaration_from(
         {"name": "mine", "version": "1.2", "level": 4, **declared}, "mine"
     )
-    lines = [record.header("python:mine:f", declaration, Options(only=only), ["grade"])]  # type: ignore[arg-type]
+    lines = [record.header("python:mine:f", declaration, Options(only=only), ["grade"])]
     lines += [record.claim_record(one, declaration) for one in claims.values()]
     tally = record.Tally()
     for asked, judged in rows:
         lines.append(record.case_record(asked))
-        lines.append(record.result_record(judged, claims))  # type: ignore[arg-type]
-        tally.add(judged)  # type: ignore[arg-type]
+        lines.append(record.result_record(judged, claims))
+        tally.add(judged)
     lines.append(tally.footer(1.5, gather(lines)))
     return gather(lines)
+
+
+def graded(adapter: Adapter, spec: str, asked: Iterable[Case], only: str = "") -> Report:
+    """The report on these cases, of any kind, by the real worker; claims whose ids begin so."""
+    options = Options()
+    declared = adapter.open(options.limits)
+    try:
+        cases = Catalogue({one.id: one for one in asked})
+        claims = {name: one for name, one in claims_for(declared).items() if name.startswith(only)}
+        worker = Worker(adapter, declared, cases, claims)
+        writer = Writer(io.StringIO(), worker)
+        tasks = plan(options, cases, claims)
+        writer.write(record.header(spec, declared, options, []))
+        writer.write_claims(tasks)
+        tally, smallest = writer.write_results(tasks, map(worker.judge, tasks), None)
+        writer.write_evidence(smallest, options)
+        writer.write(tally.footer(0.5, gather(writer.records)))
+    finally:
+        adapter.close()
+    for line in writer.records:
+        # What was written is what the schema says.
+        jsonschema.validate(line, schema())
+    return gather(writer.records)

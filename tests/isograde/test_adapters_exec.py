@@ -89,6 +89,7 @@ def test_a_program_in_c_is_asked_through_files(tetrahedra: str) -> None:
     check_ball(outcome, 6 * 4 / 3 * np.pi * 3**1.5, 0.3)
 
 
+@pytest.mark.slow
 def test_a_program_in_c_is_graded_watertight(tetrahedra: str) -> None:
     """Every claim of levels 0 and 1, on every sign pattern of a cell."""
     claims = tuple(name for name, claim in CLAIMS.items() if claim.level in (0, 1))

@@ -13,10 +13,11 @@ import pytest
 import trimesh
 from isograde import command
 from isograde.adapters import ready_made_names
+from isograde.claims import CLAIMS
 from isograde.command import app
 from isograde.commands import grading
-from isograde.disciplines.registry import ALL_CLAIMS as CLAIMS
-from isograde.report import record
+from isograde.commands.console import Exit
+from isograde.report import reading, record
 from typer.testing import CliRunner, Result
 
 
@@ -45,10 +46,10 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_hole_of_1987_is_found_and_the_smallest_case_is_two_cells(flawed: Path) -> None:
     """Nielson & Hamann 1991, Figure 3: two cells that disagree on their common face."""
-    failure = record.read(flawed / "report.jsonl").summaries["topology.closed"].failure
+    failure = reading.read(flawed / "report.jsonl").summaries["topology.closed"].failure
     assert failure is not None
     assert failure.samples == 12
-    assert failure.numbers["boundary_edges"] == 4
+    assert failure.numbers["boundary_facets"] == 4
 
 
 def test_every_format_is_written(flawed: Path) -> None:
@@ -79,7 +80,9 @@ def test_compare_lays_reports_side_by_side(flawed: Path, sound: Path, tmp_path: 
     shown = run("compare", flawed, sound)
     assert shown.exit_code == 0
     row = next(line for line in shown.output.splitlines() if line.startswith("topology.closed"))
-    assert row.split() == ["topology.closed", "4", "of", "16", "pass"]
+    assert sorted(row.split()[1:]) == ["16", "4", "of", "pass"]
+    assert "level first" in shown.output
+    assert "topology first" in shown.output
     for name in ("table.md", "table.html"):
         assert run("compare", flawed, sound, "-o", tmp_path / name).exit_code == 0
         assert "isoref:lorensen-cline" in (tmp_path / name).read_text(encoding="utf-8")
@@ -97,7 +100,7 @@ def test_a_report_that_was_cut_off_is_said_to_be(flawed: Path, tmp_path: Path) -
 
 def test_a_file_that_is_no_report_is_refused(tmp_path: Path) -> None:
     bad = tmp_path / "bad.jsonl"
-    bad.write_text('{"kind": "header"}\n', encoding="utf-8")
+    bad.write_text('{"record": "header"}\n', encoding="utf-8")
     result = run("compare", bad)
     assert result.exit_code == 2
     assert "bad.jsonl:1 is no header record" in result.output
@@ -148,10 +151,10 @@ def test_every_claim_is_explained(name: str) -> None:
 @pytest.mark.parametrize(
     ("adapter", "words"),
     [
-        ("python", "function(values, isovalue, spacing)"),
-        ("exec", "An answer returns the ``id`` of its request"),
+        ("python", "extract(values, isovalue, spacing)"),
+        ("exec", "``id``"),
         ("dir", "manifest.json"),
-        ("declaration", "linear-crossing"),
+        ("declaration", "not_promised"),
     ],
 )
 def test_the_ways_in_are_explained(adapter: str, words: str) -> None:
@@ -164,29 +167,17 @@ def test_lists_name_everything() -> None:
     assert "trilinear" in levels
     implementations = run("list", "implementations").output
     assert all(name in implementations for name in ready_made_names())
-    fields = run("list", "fields").output
-    assert "pairs/* (4096 cases)" in fields
-    assert "real/hydrogen_atom" in fields
+    cases = run("list", "cases").output
+    assert "pairs/* (4096 cases)" in cases
+    assert "real/hydrogen_atom" in cases
+    assert "surfaces" in cases
 
 
-@pytest.mark.parametrize(
-    ("spec", "claim"),
-    [
-        ("contours:diconex-mixed", "contours.whole"),
-        ("curves:marching-faces", "curves.whole"),
-        ("simplices:reference", "simplices.closed"),
-    ],
-)
-def test_another_discipline_is_graded_by_its_own_claims(
-    spec: str, claim: str, tmp_path: Path
-) -> None:
-    """The declaration names the discipline; the command is the same."""
-    result = run("grade", spec, "--only", claim, "--out", tmp_path, "--format", "html")
-    assert result.exit_code == 0, result.output
-    found = record.read(tmp_path / "report.jsonl")
-    assert found.header["implementation"]["discipline"] == spec.split(":")[0]
-    assert list(found.claims) == [claim]
-    assert found.summaries[claim].counts["pass"] > 3
+@pytest.mark.parametrize("name", sorted(CLAIMS))
+def test_what_is_explained_says_of_which_kinds_and_families(name: str) -> None:
+    told = " ".join(run("explain", name).output.split())
+    assert "said of" in told
+    assert "promised" in told
 
 
 def test_a_bare_call_shows_the_help() -> None:
@@ -248,16 +239,15 @@ def test_no_process_outlives_a_run_that_is_killed(tmp_path: Path) -> None:
     assert len(family) >= 4
     _, alive = psutil.wait_procs(family, timeout=20)
     assert not alive
-    assert record.read(lines).footer is None
+    assert reading.read(lines).footer is None
 
 
 def test_all_leaves_out_what_does_not_start_and_compares_the_rest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A library that cannot load is named, and never stops the rest; nor does a discipline."""
-    specs = ["isoref:asymptotic-decider", "absent", "isoref:lorensen-cline"]
+    """A library that cannot load is named, and never stops the rest; nor does another kind."""
+    specs = ["isoref:asymptotic-decider", "absent", "isoref:lorensen-cline", "isoref:diconex-mixed"]
     monkeypatch.setattr(grading, "ready_made_names", lambda: specs)
-    monkeypatch.setattr(grading, "OTHERS", {"contours:skimage": ""})
     result = run("grade", "--all", "--only", "pairs/02*", "--out", tmp_path, "--format", "html")
     assert result.exit_code == 1, result.output
     names = {path.name for path in tmp_path.iterdir()}
@@ -287,7 +277,9 @@ def test_a_fault_of_the_command_is_not_taken_for_a_claim_that_fails(
 def test_check_tells_what_a_adapter_does_and_why_another_does_not_open() -> None:
     good, bad = run("check", "isoref:asymptotic-decider"), run("check", "absent")
     assert good.exit_code == 0
-    assert "claims level" in good.output
+    assert "promises level" in good.output
+    assert "The declaration to paste" in good.output
+    assert '"level": 3' in good.output
     assert bad.exit_code == 3
     assert "no implementation 'absent'" in bad.output
 
@@ -354,5 +346,109 @@ def test_a_run_that_is_stopped_leaves_the_last_report_as_it_was(
     assert result.exit_code == 130
     assert "unfinished-report.jsonl" in result.output
     after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert after.pop("unfinished-report.jsonl").count(b'"kind":"result"') == 4
+    assert after.pop("unfinished-report.jsonl").count(b'"record":"result"') == 4
     assert after == before
+
+
+STRANGE = """
+import numpy as np
+from isoref import extract as reference
+
+
+def nothing(values, isovalue, spacing):
+    return np.empty((0, 3)), np.empty((0, 3), int)
+
+
+def declines(values, isovalue, spacing):
+    raise NotImplementedError("not today")
+
+
+def one_triangle(values, isovalue, spacing):
+    return np.eye(3), np.array([[0, 1, 2]])
+
+
+def right(values, isovalue, spacing):
+    mesh = reference(values, isovalue, spacing)
+    return mesh.vertices, mesh.simplices
+
+
+def careless(values, isovalue, spacing):
+    return right(np.nan_to_num(values), isovalue, spacing)
+
+
+def all_but_types(values, isovalue, spacing):
+    if values.dtype != np.float64:
+        raise TypeError("no")
+    return right(values, isovalue, spacing)
+
+
+all_but_types.declaration = {"not_promised": ["*"]}
+"""
+
+
+@pytest.fixture(scope="module")
+def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Implementations that make nothing of what they are asked, and right ones."""
+    place = tmp_path_factory.mktemp("strange") / "strange.py"
+    place.write_text(STRANGE, encoding="utf-8")
+    return place
+
+
+@pytest.mark.parametrize(
+    ("name", "only", "options", "status"),
+    [
+        ("nothing", ("noise/white-5*",), (), Exit.FAILS),
+        ("declines", ("noise/white-5*",), (), Exit.NO_EVIDENCE),
+        ("declines", ("noise/white-5*",), ("--strict",), Exit.FAILS),
+        ("one_triangle", ("noise/white-5*",), (), Exit.FAILS),
+        ("right", ("noise/white-5*", "topology.closed"), (), Exit.HOLDS),
+        ("right", ("noise/white-5*", "topology.closed"), ("--strict",), Exit.HOLDS),
+        ("right", ("noise/white-5*", "topology.ties"), (), Exit.NO_EVIDENCE),
+        ("right", ("noise/white-5*", "topology.ties"), ("--strict",), Exit.FAILS),
+        ("careless", ("noise/white-5*", "robustness.nan", "topology.closed"), (), Exit.HOLDS),
+        ("careless", ("noise/white-5*", "robustness.nan"), (), Exit.NO_EVIDENCE),
+        ("all_but_types", ("noise/white-5*", "topology.closed"), (), Exit.NO_EVIDENCE),
+    ],
+)
+def test_the_status_says_what_was_proven(
+    name: str,
+    only: tuple[str, ...],
+    options: tuple[str, ...],
+    status: Exit,
+    strange: Path,
+    tmp_path: Path,
+) -> None:
+    """Design: 1 a promise is broken, 4 nothing promised could have failed, else 0."""
+    asked = [word for glob in only for word in ("--only", glob)]
+    result = run("grade", f"python:{strange}:{name}", *asked, *options, "--out", tmp_path)
+    assert result.exit_code == status, result.output
+
+
+@pytest.mark.parametrize(
+    ("found", "status"),
+    [
+        ([], Exit.HOLDS),
+        ([Exit.HOLDS, Exit.NO_EVIDENCE], Exit.NO_EVIDENCE),
+        ([Exit.NO_EVIDENCE, Exit.FAILS, Exit.HOLDS], Exit.FAILS),
+    ],
+)
+def test_of_many_the_worst_status_is_told(found: list[Exit], status: Exit) -> None:
+    assert grading.worst(found) is status
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"), [("surface", "there are contours"), ("1,2", "no kind '1,2'")]
+)
+def test_a_kind_that_is_none_is_refused(kind: str, message: str, tmp_path: Path) -> None:
+    result = run("export", tmp_path / "x", "--kind", kind)
+    assert result.exit_code == 2
+    assert message in " ".join(result.output.split())
+
+
+def test_the_terminal_says_the_headline_and_what_is_right(tmp_path: Path) -> None:
+    asked = ("--only", "pairs/02*", "--out", tmp_path, "--format", "md")
+    told = run("grade", "isoref:lorensen-cline", *asked).output
+    assert "part of the cases" in told
+    assert "of its promises are broken" in told
+    assert "Right on every case tried: structure" in told
+    assert "topology.closed: fails on 4 of 16 cases, smallest pairs/0217" in told

@@ -129,6 +129,16 @@ def test_a_declared_kind_of_which_no_body_came_out_reaches_no_level() -> None:
     assert made([body(), row("noise/a"), shown], **kinds).reached == 4
 
 
+def test_a_declared_kind_that_is_declined_but_for_its_bodies_reaches_no_level() -> None:
+    """Whoever answers the bodies of a kind alone has shown nothing else of it."""
+    kinds: dict[str, Any] = {"limits": {"kinds": [[3, 1], [2, 1]]}}
+    disc = row("bodies/disc", kind=CONTOURS, every="skip", bodies__pieces="pass")
+    declined = row("contours/a", kind=CONTOURS, every="unsupported")
+    assert made([body(), row("noise/a"), disc, declined], **kinds).reached is None
+    absent = row("contours/a", kind=CONTOURS, every="skip")
+    assert made([body(), row("noise/a"), disc, absent], **kinds).reached == 4
+
+
 def test_a_run_of_a_part_reaches_no_level_and_needs_no_body() -> None:
     report = made([row("noise/a")], only=("noise/*",))
     assert report.reached is None

@@ -1,18 +1,19 @@
 """The runner asks each request once, orders claims, and keeps a fault where it belongs."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 
 import numpy as np
 import pytest
-from isograde import claims as claims_module
 from isograde import runner
 from isograde.cases import all_cases
+from isograde.declaration import Declaration, Scope
 from isograde.model import (
+    CONTOURS,
+    SURFACES,
     Case,
     Claim,
-    Declaration,
     Finding,
     Limits,
     Outcome,
@@ -21,7 +22,7 @@ from isograde.model import (
     Trial,
     Verdict,
 )
-from isograde.runner import NothingToRun, Options, Task, Worker, plan
+from isograde.runner import NothingToRun, Options, Task, Worker, cases_for, claims_for, plan
 from isoref.field import Field
 
 TRIANGLE = Outcome(Status.OK, np.eye(3), np.array([[0, 1, 2]]))
@@ -50,7 +51,7 @@ class Adapter:
 
 def _case(name: str = "family/one", *tags: str) -> Case:
     values = np.zeros((2, 2, 2))
-    return Case(name, lambda: Field.of(values), 0.5, 8, frozenset(tags))
+    return Case(name, lambda: Field.of(values), (0.5,), 8, frozenset(tags))
 
 
 def _passes(trial: Trial) -> Finding:
@@ -101,11 +102,43 @@ def test_a_declined_call_is_unsupported() -> None:
     assert judged.findings["a.mesh"] == Finding(Verdict.UNSUPPORTED, "too thin")
 
 
-def test_what_is_not_promised_is_unsupported() -> None:
-    declaration = Declaration("stub", without=frozenset({"welded"}))
-    claim = _claim("a.mesh", _fails, unless=frozenset({"welded"}))
-    judged = _judged(Adapter(), claim, declaration=declaration)
+def test_a_field_outside_the_limits_is_not_sent() -> None:
+    adapter = Adapter()
+    judged = _judged(
+        adapter, _claim("a.mesh"), declaration=Declaration("stub", limits=Scope(least=3))
+    )
+    assert adapter.asked == []
     assert judged.findings["a.mesh"].verdict is Verdict.UNSUPPORTED
+    assert "fewer than 3 samples" in judged.findings["a.mesh"].detail
+    assert judged.calls == 0
+
+
+def test_what_is_not_promised_is_judged_all_the_same() -> None:
+    declaration = Declaration("stub", not_promised=frozenset({"a.*"}))
+    claim = _claim("a.mesh", _fails)
+    judged = _judged(Adapter(), claim, declaration=declaration)
+    assert judged.findings["a.mesh"].verdict is Verdict.FAIL
+    assert not claim.held(declaration)
+    assert claim.held(Declaration("stub"))
+    assert replace(claim, firm=True).held(declaration)
+
+
+def test_a_case_says_whether_its_field_is_in_general_position() -> None:
+    assert _judged(Adapter(), _claim("a.mesh")).general is True
+    tied = Case("family/tied", lambda: Field.of(np.full((2, 2, 2), 0.5)), (0.5,), 8)
+    worker = Worker(Adapter(), Declaration("stub"), {tied.id: tied}, {"a": _claim("a")})
+    assert worker.judge(Task(tied.id, ("a",))).general is False
+
+
+def test_cases_and_claims_follow_from_kinds_and_family() -> None:
+    contours = Declaration("contours", limits=Scope(kinds=((2, 1),)))
+    assert {case.kind for case in cases_for(contours, 0).values()} <= {CONTOURS}
+    assert {case.kind for case in cases_for(Declaration("x"), 0).values()} == {SURFACES}
+    own = Declaration("own", vertices="own", reach=1.0)
+    every, less = claims_for(Declaration("x")), claims_for(own)
+    assert "symmetry.orientation" in every
+    assert "symmetry.orientation" not in less
+    assert set(less) < set(every)
 
 
 def test_a_judge_that_raises_is_the_graders_fault() -> None:
@@ -178,7 +211,7 @@ def test_the_full_plan_poses_no_pair_and_nothing_large_in_every_way() -> None:
     cases = {
         "cells/1": _case("cells/1", "posed"),
         "pairs/1": _case("pairs/1", "pairs"),
-        "real/1": Case("real/1", _case().build, 0.5, large, frozenset()),
+        "real/1": Case("real/1", _case().build, (0.5,), large, frozenset()),
     }
     planned = {task.case: task.claims for task in plan(Options(full=True), cases, CLAIMS)}
     assert [name for name, claims in planned.items() if "symmetry.scaled" in claims] == ["cells/1"]
@@ -202,7 +235,8 @@ def test_a_plan_without_tasks_says_so() -> None:
 
 def test_two_processes_find_what_one_finds() -> None:
     """The findings on a portion of the cells do not depend on the number of processes."""
-    spec, cases, claims = "isoref:lorensen-cline", all_cases(0), claims_module.CLAIMS
+    spec, cases = "isoref:lorensen-cline", all_cases(0)
+    claims = claims_for(Declaration(spec))
     one, two = Options(only=("pairs/02*",)), Options(only=("pairs/02*",), jobs=2)
     tasks = plan(one, cases, claims)
     worker = Worker.open(spec, one)

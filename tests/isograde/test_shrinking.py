@@ -5,7 +5,8 @@ import pytest
 from isograde.adapters import open_adapter
 from isograde.cases import all_cases, blocks
 from isograde.claims import CLAIMS
-from isograde.model import Case, Claim, Declaration, Finding, Limits, Trial, Verdict
+from isograde.declaration import Declaration
+from isograde.model import Case, Claim, Finding, Limits, Trial, Verdict
 from isograde.runner import Judged, Options, Worker, plan
 from isograde.shrinking import _candidates, _fails, shrink
 from isoref.field import Field
@@ -24,7 +25,7 @@ def test_the_block_that_is_left_holds_the_fault_and_little_else(
 ) -> None:
     values = np.zeros((7, 9, 6))
     values[place] = 7
-    case = Case("family/one", lambda: Field.of(values), 0.5, values.size)
+    case = Case("family/one", lambda: Field.of(values), (0.5,), values.size)
     claim = Claim("family.seven", "", "", 1, _holds_a_seven, needs_mesh=False)
 
     class Cases(dict[str, Case]):
@@ -101,7 +102,7 @@ def test_candidates_drop_half_a_quarter_and_so_on_and_keep_two_samples() -> None
 def judged_part(claim_tags: set[str], shape: tuple[int, ...]) -> Judged | None:
     """What `_fails` says of a case tagged "ties", for a claim that always fails."""
     field = Field.of(np.ones(shape))
-    case = Case("ties/one", lambda: field, 0.5, field.values.size, frozenset({"ties"}))
+    case = Case("ties/one", lambda: field, (0.5,), field.values.size, frozenset({"ties"}))
     claim = Claim(
         "family.never",
         "",

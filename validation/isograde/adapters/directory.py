@@ -3,7 +3,7 @@
 `export` writes fields into a folder; whoever runs the implementation, anywhere, puts a mesh beside
 each field; the adapter reads them. No program of ours is needed in between::
 
-    folder/manifest.json              every field: id, isovalue, shape, spacing, origin, files
+    folder/manifest.json              every field: its kind, isovalues, place and files
     folder/cells/outside/137.npy      the samples, C order (last axis fastest)
     folder/cells/outside/137.nrrd     the same: NRRD's first axis is the array's first
     folder/cells/outside/137.ply      the answer: .ply, .obj, .off, .stl,

@@ -21,7 +21,8 @@ whole implementation in C). An isovalue may be NaN, Infinity or -Infinity.
 The shape has n numbers. The samples are in C order, the last axis fastest, little-endian, from byte
 ``offset`` of a .npy file; where there are several components, all samples of the first come before
 those of the second, and there are as many isovalues. Vertices are ``index * spacing`` in the order
-of the array's axes unless the declaration says otherwise; the grader adds the origin.
+of the array's axes unless the declaration says otherwise; the grader adds the origin. Which way
+round simplices are is said in `isograde.adapters.loading`.
 
 Simplices are rows of n - m + 1 indices, counted from 0; for surfaces ``"faces"`` is another name
 for them. In their place an answer may have, as `isograde.adapters.forms` reads them,

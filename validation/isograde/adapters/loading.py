@@ -10,6 +10,9 @@ spacing     a tuple of n floats
 answer      a pair (vertices, simplices): (V, n) numbers, ``index * spacing`` in the order of the
             array's axes, and rows of 0-based indices into them; or polygons, polylines, a soup, a
             mesh (`isograde.adapters.forms`)
+orientation right-hand normals of triangles point to lower values; contours have the inside on
+            their left where axis 0 points right and axis 1 up; in general, with the gradients g of
+            the fields and the edges t of a simplex, det(-g_1, .., -g_m, t_1, ..) > 0
 
 Where m > 1 fields meet it is ``extract(values, isovalues, spacing)`` with values (m, N1, .., Nn)
 and a tuple of m floats, or, with 2 m + 1 parameters, ``extract(a, b, isovalue_a, isovalue_b,

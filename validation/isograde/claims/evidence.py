@@ -9,6 +9,7 @@ implementation may have one vertex or several there. Nothing is welded anywhere 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -136,8 +137,7 @@ def welded_at_ties(trial: Trial) -> Complex:
         found, lattice = complex_of(trial), lattice_of(trial)
         at = np.flatnonzero(lattice.at_tie(found.points))
         sample = np.rint(found.points[at]).astype(np.int64)
-        flat = np.ravel_multi_index(tuple(sample.T), lattice.shape)
-        _, first, group = np.unique(flat, return_index=True, return_inverse=True)
+        _, first, group = np.unique(sample, axis=0, return_index=True, return_inverse=True)
         name = np.arange(len(found.points))
         name[at] = at[first[group.reshape(-1)]]
         points = found.points.copy()
@@ -163,12 +163,61 @@ def traces_of(trial: Trial) -> Traces:
     )
 
 
-def undecided(trial: Trial, cells: Booleans) -> Finding | None:
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """The samples in which an implementation says its mesh ends, and its mesh among them.
+
+    Attributes
+    ----------
+    lattice : these samples
+    corner : (n,) the first of them, as a sample of the field
+    mesh : the mesh, in the index coordinates of `lattice`; vertices of equal coordinates are one
+    """
+
+    lattice: Lattice
+    corner: Integers
+    mesh: Complex
+
+    def of_field(self, place: Integers) -> list[int]:
+        """A sample or a cell of this lattice, by its index in the field."""
+        return [int(i) for i in np.asarray(place) + self.corner]
+
+
+def domain_of(trial: Trial) -> Domain:
+    """The part of the lattice in which cells are judged: those that are wholly in the domain."""
+
+    def compute() -> Domain:
+        lattice, corner = lattice_of(trial).within
+        found = _at_places(trial)
+        if corner.any():
+            found = Complex(found.points - corner, found.simplices)
+        return Domain(lattice, corner, found)
+
+    return remembered(trial, "domain", compute)
+
+
+def _at_places(trial: Trial) -> Complex:
+    """The mesh, vertices of equal coordinates made one: cells are judged by places."""
+    found = complex_of(trial)
+    welded = found.welded()
+    return found if len(welded.points) == len(found.points) else welded
+
+
+def cells_of(trial: Trial) -> Traces:
+    """What the surface does in each cell of the domain; for surfaces in space only."""
+    domain = domain_of(trial)
+    mesh = domain.mesh
+    if domain.lattice is lattice_of(trial) and mesh is complex_of(trial):
+        return traces_of(trial)
+    return remembered(trial, "cells", lambda: traces(domain.lattice, mesh.points, mesh.simplices))
+
+
+def undecided(found: Traces, cells: Booleans) -> Finding | None:
     """What to say where no cell is wrong and these cells are not judged; None where all are.
 
-    cells : (n,) of `traces_of(trial)`, with too many flat triangles
+    cells : (n,) of `found`, with too many flat triangles
     """
-    count = int((cells & ~traces_of(trial).tied).sum())
+    count = int((cells & ~found.tied).sum())
     if not count:
         return None
     return skipped(

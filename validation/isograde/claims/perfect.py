@@ -1,4 +1,4 @@
-"""The claim that a VESTA surface is perfect before its points are moved.
+"""The claim of VESTA: a surface is perfect before its points are moved from the middle of edges.
 
 No adapter gives the surface with its points still in the middle of their lattice edges. But a field
 whose samples are all about as far from the isovalue, some above and some below, has every crossing
@@ -14,18 +14,19 @@ from __future__ import annotations
 import numpy as np
 from isoref.field import Floats
 
-from isograde.claims.cycles import MODES
+from isograde.claims.cells import on_cell_edges
 from isograde.claims.evidence import (
     VERDICT_OF,
     failed,
-    lattice_of,
-    on_triangles,
+    on_mesh,
     passed,
     place,
+    placed,
     skipped,
 )
-from isograde.model import Claim, Finding, Outcome, Status, Trial, Verdict
+from isograde.model import SURFACES, Claim, Finding, Status, Trial, Verdict
 from isograde.oracles import apart
+from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 
 VARIANT = "level"
@@ -33,23 +34,23 @@ VARIANT = "level"
 
 def perfect(trial: Trial) -> Finding:
     """Pass when the levelled field's surface has no flat or crossing triangles or equal points."""
-    if trial.declaration.connectivity not in MODES:
-        return Finding(Verdict.UNSUPPORTED, "declares no connectivity mode")
     outcome = trial.outcomes.get(VARIANT)
     if outcome is None:
         return skipped("the values are too large to be levelled")
     if outcome.status is Status.DECLINED:
         return Finding(Verdict.UNSUPPORTED, outcome.detail)
-    if outcome.mesh is None or outcome.mesh.vertices.shape[1] != 3:
+    mesh = outcome.mesh_of(trial.kind)
+    if mesh is None:
         verdict = VERDICT_OF.get(outcome.status, Verdict.FAIL)
         return Finding(verdict, f"{VARIANT}: {outcome.detail}", {"variant": VARIANT})
-    return _judged(trial, outcome)
+    return _judged(placed(trial, mesh))
 
 
-def _judged(trial: Trial, outcome: Outcome) -> Finding:
+def _judged(surface: Complex) -> Finding:
     """The first fault of the unmoved surface, or how many triangles have none."""
-    assert outcome.mesh is not None, "only a mesh is judged"
-    places, faces = lattice_of(trial).index(outcome.mesh.vertices), outcome.mesh.simplices
+    places, faces = surface.points, surface.simplices
+    if not len(faces):
+        return skipped("there is no triangle")
     used = np.unique(faces)
     flat = apart.without_area(places[faces])
     if len(flat):
@@ -76,14 +77,16 @@ def _told(count: int, what: str, where: Floats) -> Finding:
 
 CLAIMS = (
     Claim(
-        id="cases.perfect",
-        rule="Before its points are moved from the middle of their lattice edges, the surface of "
-        "who declares a connectivity mode of VESTA is not degenerate: no triangle is without area, "
-        "no two points are at one place, and no two triangles cross or overlap.",
+        id="cells.perfect",
+        rule="Before its points are moved from the middle of their lattice edges, the surface is "
+        "not degenerate: no triangle is without area, no two points are at one place, and no two "
+        "triangles cross or overlap.",
         source="Schlei 2010, sections III.B and IV: VESTA surfaces are perfect, prior to a move",
         level=None,
-        judge=on_triangles(perfect),
+        judge=on_mesh(perfect),
+        kinds=lambda kind: kind == SURFACES,
+        families=on_cell_edges,
         variants=(VARIANT,),
-        unless=frozenset({"on-edges", "welded"}),
+        promised=False,
     ),
 )

@@ -1,13 +1,16 @@
-"""The claim of level 4: in every cell the mesh has the topology of the trilinear interpolant.
+"""The claims that measure the mesh by the trilinear interpolant.
 
-Each cell is judged by itself: the crossings on its edges must be grouped into arcs and sheets as
+Level 4 asks it of each cell: the crossings on its edges must be grouped into arcs and sheets as
 those of the trilinear level set are, and its Euler characteristic must be the level set's. Where
 that holds in every cell, the surface glued from the cells' pieces has the level set's topology,
 since both are glued along the same arcs. Two cells may draw the same edge on the face they share;
-the mesh then has an edge of four triangles, which is a fault of its own (`topology.edge_manifold`).
+the mesh then has an edge of four triangles, which is a fault of its own (`topology.manifold`). A
+cell that is a tie, or that has a corner on the surface to within single precision, has no single
+right answer and is not judged. What is wrong is said case by case, in Chernyaev's names.
 
-A cell that is a tie, or that has a corner on the surface to within single precision, has no single
-truth and is not judged. What is wrong is said case by case, in Chernyaev's names.
+Beside the ladder, `topology.scan` measures every family by the whole: pieces, Euler characteristic,
+boundary curves and handles of the mesh and of the level set inside its domain. Whoever draws
+another interpolant's level set promises no agreement; the numbers say how far apart they are.
 """
 
 from __future__ import annotations
@@ -17,37 +20,54 @@ from collections import Counter
 import numpy as np
 from isoref.field import Booleans, Integers
 
-from isograde.claims.evidence import failed, lattice_of, on_triangles, passed, skipped, surface_of
-from isograde.model import Claim, Finding, Trial
+from isograde.claims.cells import follows_values
+from isograde.claims.evidence import (
+    domain_of,
+    failed,
+    judged_complex,
+    on_mesh,
+    passed,
+    skipped,
+)
+from isograde.model import SURFACES, Claim, Finding, Trial
+from isograde.oracles.lattice import Lattice, components
 from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_cases import case_names
-from isograde.oracles.trilinear_grid import active_cells
+from isograde.oracles.trilinear_grid import GridTruth, active_cells, grid
 
-FAMILIES = frozenset({"trilinear", "cells", "pairs", "noise"})
+FAMILIES = frozenset({"trilinear", "cells", "pairs", "noise", "real"})
+MEASURED = frozenset({"real", "noise"})
 
 
 def trilinear(trial: Trial) -> Finding:
     """Pass when every cell that is no tie has the sheets, arcs and Euler characteristic it must."""
-    lattice, values = lattice_of(trial), np.asarray(trial.field.values)
+    domain = domain_of(trial)
+    lattice, values = domain.lattice, components(domain.lattice.field)[0]
     if min(values.shape) < 2:
-        return skipped("the lattice has no cells")
-    index, corners = active_cells(values, trial.case.isovalue)
-    truths = cells(corners, trial.case.isovalue)
+        return skipped("the domain has no cells")
+    index, corners = active_cells(values, lattice.isovalue)
+    truths = cells(corners, lattice.isovalue)
     judged = (truths.ties == NONE) & ~_near_a_corner(lattice.tied, index)
     if not judged.any():
-        return skipped("every cell of the surface is a tie: there is no single truth")
-    surface = surface_of(trial).welded()
-    mesh = surface.points, surface.faces
-    found = np.array(judge(*mesh, index, truths, values.shape, lattice, judged), np.str_)
+        return skipped("every cell of the surface is a tie: it has no single right answer")
+    mesh = domain.mesh
+    # What is beyond the samples is in no cell.
+    inner = np.clip(mesh.points, 0, np.subtract(values.shape, 1))
+    far = np.asarray((np.abs(mesh.points - inner) > lattice.tolerance).any(axis=1))
+    parts = mesh.simplices[~far[mesh.simplices].any(axis=1)]
+    found = np.array(
+        judge(mesh.points, parts, index, truths, values.shape, lattice, judged), np.str_
+    )
     names = case_names(truths)
     open_ = judged & (found == Fault.UNDECIDED)
     wrong = np.flatnonzero(judged & ~open_ & (found != Fault.NONE))
     if len(wrong):
-        return _wrong_cells(index, found, names, wrong, int(judged.sum()))
+        return _wrong_cells(index + domain.corner, found, names, wrong, judged & ~open_)
     if open_.any():
         return skipped(f"{int(open_.sum())} cells are {Fault.UNDECIDED}")
-    return passed(cells=int(judged.sum()), cases=dict(Counter(names[judged].tolist())))
+    counted = dict(Counter(names[judged].tolist()))
+    return passed(cells=int(judged.sum()), wrong=0, cases=counted)
 
 
 def _near_a_corner(tied: Booleans, index: Integers) -> Booleans:
@@ -63,19 +83,76 @@ def _wrong_cells(
     found: np.ndarray[tuple[int], np.dtype[np.str_]],
     names: np.ndarray[tuple[int], np.dtype[np.str_]],
     wrong: Integers,
-    judged: int,
+    judged: Booleans,
 ) -> Finding:
     """What is wrong, case by case."""
     count = Counter(zip(names[wrong].tolist(), found[wrong].tolist(), strict=True))
     said = "; ".join(f"{fault} in {n} of case {name}" for (name, fault), n in sorted(count.items()))
     first = int(wrong[0])
     return failed(
-        f"{len(wrong)} of {judged} cells: {said}; the first is the cell at {index[first].tolist()}",
-        cells=judged,
+        f"{len(wrong)} of {int(judged.sum())} cells: {said}; the first is the cell at "
+        f"{index[first].tolist()}",
+        cells=int(judged.sum()),
         wrong=len(wrong),
+        cases=dict(Counter(names[judged].tolist())),
         faults=[[name, fault, n] for (name, fault), n in sorted(count.items())],
         cell=index[first].tolist(),
     )
+
+
+def scan(trial: Trial) -> Finding:
+    """Pass when the mesh as a whole has the topology of the trilinear level set in its domain."""
+    lattice, found = domain_of(trial).lattice, judged_complex(trial)
+    if min(lattice.shape) < 2:
+        return skipped("the domain has no cells")
+    wanted, isovalue = _level_set(lattice)
+    if not len(found.simplices) and not wanted.components:
+        return skipped("there is no surface")
+    made = GridTruth(found.components, found.euler, found.boundary_pieces, 0)
+    numbers = {
+        "pieces": made.components,
+        "pieces_wanted": wanted.components,
+        "euler": made.euler,
+        "euler_wanted": wanted.euler,
+        "rims": made.curves,
+        "rims_wanted": wanted.curves,
+        "handles": handles(made),
+        "handles_wanted": handles(wanted),
+        "isovalue": isovalue,
+    }
+    if (made.components, made.euler) == (wanted.components, wanted.euler):
+        return passed(**numbers)
+    return failed(
+        f"{made.components} pieces with {numbers['handles']:g} handles, where the trilinear "
+        f"level set has {wanted.components} with {numbers['handles_wanted']:g}",
+        **numbers,
+    )
+
+
+def handles(surface: GridTruth) -> float:
+    """The genus of all pieces together, by their Euler characteristic and boundary curves.
+
+    >>> handles(GridTruth(components=1, euler=0, curves=0, ties=0))
+    1.0
+    """
+    return surface.components - (surface.euler + surface.curves) / 2
+
+
+def _level_set(lattice: Lattice) -> tuple[GridTruth, float]:
+    """The topology of the trilinear level set, and the isovalue it is of.
+
+    Where a sample or a saddle is on the isovalue, the isovalue moves by less than rounding does in
+    single precision, to the side that puts it where the declaration puts ties.
+    """
+    values, isovalue = components(lattice.field)[0].astype(np.float64), lattice.isovalue
+    found = grid(values, isovalue)
+    step = -1 if lattice.declared.conventions.tie == "inside" else 1
+    size = float(max(np.abs(values).max(), abs(isovalue), 1.0))
+    shift = size * 2.0**-30
+    while found.ties and shift < size * 2.0**-20:
+        isovalue = lattice.isovalue + step * shift
+        found, shift = grid(values, isovalue), 2 * shift
+    return found, isovalue
 
 
 CLAIMS = (
@@ -86,8 +163,20 @@ CLAIMS = (
         source="Chernyaev 1995; Lopes & Brodlie 2003; Etiene and others 2012: the topology of the "
         "trilinear interpolant",
         level=4,
-        judge=on_triangles(trilinear),
+        judge=on_mesh(trilinear),
+        kinds=lambda kind: kind == SURFACES,
+        families=follows_values,
         tags=FAMILIES,
-        unless=frozenset({"on-edges", "welded", "border"}),
+    ),
+    Claim(
+        id="topology.scan",
+        rule="The mesh has as many pieces and handles as the trilinear interpolant's level set in "
+        "its domain.",
+        source="isograde design: every family is measured by the trilinear interpolant on scans",
+        level=None,
+        judge=on_mesh(scan),
+        kinds=lambda kind: kind == SURFACES,
+        tags=MEASURED,
+        promised=False,
     ),
 )

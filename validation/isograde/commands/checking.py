@@ -442,8 +442,10 @@ def _hint(outcome: Outcome) -> str:
     """What the commonest mistakes of a first call are."""
     if outcome.detail.startswith("TypeError"):
         return "; it is called as function(values, isovalue, spacing)"
-    if "of 4" in outcome.detail or "of 3" in outcome.detail:
-        return "; return only the first two"
+    if "inhomogeneous" in outcome.detail:
+        return (
+            "; return a tuple (vertices, simplices): where there is more, return only the first two"
+        )
     if "NoneType" in outcome.detail:
         return "; does the function end with `return vertices, simplices`?"
     return ""

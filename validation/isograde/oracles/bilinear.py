@@ -62,6 +62,29 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
 
 
+def tied_saddles(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
+    """(r,) which of these faces, along two axes each, have their saddle on the isovalue.
+
+    Parameters
+    ----------
+    low : (r, n) the lowest sample of each face
+    along : (r, n) the axes along which it runs; a row without exactly two is no face of two
+    """
+    tied = np.zeros(len(low), bool)
+    there = (low + along < lattice.shape).all(axis=1)
+    rows = np.flatnonzero((along.sum(axis=1) == 2) & there)
+    if not len(rows):
+        return tied
+    one, other = (along[rows].cumsum(axis=1) == step for step in (1, 2))
+    steps = [np.zeros_like(low[rows]), one & along[rows], other & along[rows], along[rows]]
+    corners = np.moveaxis(np.stack([low[rows] + step for step in steps], axis=1), -1, 0)
+    a, b, c, d = lattice.inside[tuple(corners)].T
+    ambiguous = np.flatnonzero((a == d) & (b == c) & (a != b))
+    values = components(lattice.field)[0][tuple(corners)][ambiguous]
+    tied[rows[ambiguous]] = saddle_sign(values, lattice.isovalue)[0] == 0
+    return tied
+
+
 def tied_saddle(lattice: Lattice) -> bool:
     """Whether some ambiguous face of the lattice has its saddle exactly on the isovalue."""
     values, inside = components(lattice.field)[0], lattice.inside
@@ -84,6 +107,20 @@ def _window(n: int, axes: tuple[int, int], corner: tuple[int, int]) -> tuple[sli
     return tuple(window)
 
 
+def faces_of(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Array]:
+    """The ambiguous faces of the active cells, each as seen from a cell.
+
+    Returns
+    -------
+    row, face : (m,) index into `traces` and into its six faces
+    values : (m, 4) samples at the face's corners 00, 10, 01, 11
+    """
+    row, face = np.nonzero(traces.ambiguous)
+    corners = np.array([_corners(*f) for f in FACES])[face]
+    i, j, k = np.moveaxis(traces.place[row][:, None, :] + corners, -1, 0)
+    return row, face, components(lattice.field)[0][i, j, k]
+
+
 def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integers, Floats]:
     """The ambiguous faces of the active cells, and on which side each one's saddle is.
 
@@ -92,10 +129,7 @@ def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integ
     row, face : (m,) index into `traces` and into its six faces
     sign, clarity : (m,) as in `saddle_sign`
     """
-    row, face = np.nonzero(traces.ambiguous)
-    corners = np.array([_corners(*f) for f in FACES])[face]
-    i, j, k = np.moveaxis(traces.place[row][:, None, :] + corners, -1, 0)
-    values = lattice.field.values[i, j, k]
+    row, face, values = faces_of(lattice, traces)
     sign, clarity = saddle_sign(values, lattice.isovalue)
     return row, face, sign, clarity
 

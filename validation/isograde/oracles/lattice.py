@@ -26,10 +26,11 @@ outside, no sample is tied.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from isoref.field import Array, Booleans, Field, Floats, Integers
@@ -106,6 +107,38 @@ class Lattice:
         """(n,) where the domain ends; the period of a periodic axis is one cell longer."""
         extra = [float(end.end == "periodic") for end in self.ends]
         return np.subtract(self.shape, 1.0) - self.first + extra
+
+    @cached_property
+    def within(self) -> tuple[Lattice, Integers]:
+        """The samples inside the domain as a lattice of their own, and (n,) where it begins here.
+
+        Along a periodic axis the first sample comes again after the last, unless a split of the
+        cells does not fit. The new lattice is open in its border where the mesh ends there, and
+        closed behind it where the mesh goes on.
+        """
+        start = np.ceil(self.first - self.tolerance).astype(np.int64)
+        stop = np.floor(self.last + self.tolerance).astype(np.int64)
+        period = (1,) * self.n
+        if self.declared.interpolant == "tetrahedra":
+            period = self.declared.split.period(self.n)
+        taken, ends = [], []
+        for axis, (end, size) in enumerate(zip(self.ends, self.shape, strict=True)):
+            if end.end != "periodic" or size % period[axis]:
+                start[axis] = max(start[axis], 0)
+                stop[axis] = min(stop[axis], size - 1)
+            taken.append(np.arange(start[axis], stop[axis] + 1) % size)
+            stops_here = end.end == "open" and end.inset >= 0 and end.inset % 1 == 0
+            ends.append(End() if stops_here else End(-0.5, "closed"))
+        same = all(
+            np.array_equal(one, np.arange(n)) for one, n in zip(taken, self.shape, strict=True)
+        )
+        if same and all(end.end == "open" and not end.inset for end in self.ends):
+            return self, start
+        window: Any = (..., *np.ix_(*taken))
+        origin = tuple(self.field.position(start).tolist())
+        field = replace(self.field, values=self.field.values[window], origin=origin)
+        declared = replace(self.declared, domain=tuple(ends))
+        return Lattice(field, self.isovalues, self.sides[window], declared), start
 
     @cached_property
     def tolerance(self) -> float:
@@ -193,20 +226,32 @@ class Lattice:
     def at_tie(self, places: Floats) -> Booleans:
         """(r,) the place is a tied sample."""
         nearest = np.rint(places)
-        last = np.subtract(self.shape, 1)
-        at = (np.abs(places - nearest) <= self.reach).all(axis=1)
-        at &= ((nearest >= 0) & (nearest <= last)).all(axis=1)
-        where = np.clip(nearest, 0, last).astype(np.int64)
-        return np.asarray(at & self.tied[tuple(where.T)])
+        near = (np.abs(places - nearest) <= self.reach).all(axis=1)
+        sample, here = self._sample(nearest)
+        return np.asarray(near & here.all(axis=1) & self.tied[tuple(sample.T)])
+
+    def _sample(self, index: Floats) -> tuple[Integers, Booleans]:
+        """(r, n) the sample nearest to whole coordinates, and which of them are the sample's.
+
+        Along a periodic axis the samples come again.
+        """
+        size = np.array(self.shape)
+        inside = np.clip(index, 0, size - 1)
+        periodic = np.array([end.end == "periodic" for end in self.ends])
+        inside = np.where(periodic, np.mod(index, size), inside)
+        return inside.astype(np.int64), np.asarray((inside == index) | periodic)
 
     def beside_tie(self, places: Floats) -> Booleans:
         """(r,) a corner of a cell that the place belongs to is a tied sample."""
         beside = np.zeros(len(places), bool)
         if not len(places) or not self.tied.any():
             return beside
-        last = np.subtract(self.shape, 1)
-        choices = np.stack([np.ceil(places) - 1, np.rint(places), np.floor(places) + 1])
-        choices = np.clip(choices, 0, last).astype(np.int64)
+        choices = np.stack(
+            [
+                self._sample(index)[0]
+                for index in (np.ceil(places) - 1, np.rint(places), np.floor(places) + 1)
+            ]
+        )
         for offset in np.ndindex((3,) * self.n):
             beside |= self.tied[tuple(choices[o, :, a] for a, o in enumerate(offset))]
         return beside

@@ -63,7 +63,7 @@ def self_intersections(points: Floats, faces: Integers) -> Integers:
     array([[0, 1]])
     """
     found = [np.empty((0, 2), np.int64)]
-    for pairs in _near_pairs(points, faces):
+    for pairs in near_pairs(points, faces):
         found.append(pairs[_meet(points, faces, pairs)])
     crossing: Integers = np.unique(np.concatenate(found), axis=0)
     return crossing
@@ -105,7 +105,7 @@ def _small(rows: Floats) -> Integers:
 # --- which pairs ----------------------------------------------------------------------------------
 
 
-def _near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
+def near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
     """Pairs (n, 2) of faces whose boxes meet, each once or more often, in portions."""
     low, high = points[faces].min(axis=1), points[faces].max(axis=1)
     for one, other in _in_one_bin(*_bins(low, high)):

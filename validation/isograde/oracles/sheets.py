@@ -255,7 +255,7 @@ def _lattice(index: Integers, truths: Truths, shape: Sequence[int]) -> Lattice:
     for corner in range(8):
         i, j, k = (index + np.array([corner >> 2 & 1, corner >> 1 & 1, corner & 1])).T
         sides[i, j, k] = np.where(truths.high[:, corner], 1.0, -1.0)
-    return Lattice.of(Field.of(sides), 0.0)
+    return Lattice.of(Field.of(sides), (0.0,))
 
 
 def _with_flat(

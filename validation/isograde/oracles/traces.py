@@ -307,8 +307,8 @@ def signs_of(lattice: Lattice) -> NDArray[np.uint8]:
 def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = False) -> Traces:
     """The trace of every active cell; triangles outside the volume are not looked at.
 
-    more : the mesh goes on beyond the border, so that a triangle that lies in the border may
-        belong to what is there. Else it belongs to the cell, unless the border's face is capped.
+    more : the mesh goes on beyond the border, whatever is declared. A triangle that lies in the
+        border may belong to what is beyond it; where the mesh ends in the border, it is the cell's.
     """
     shape = np.maximum(np.subtract(lattice.shape, 1), 0)
     signs = signs_of(lattice)
@@ -329,7 +329,7 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
         total[busy] = np.bitwise_xor.reduceat(code[proper][order], starts)
     lying = _lying(cell, corner, code, extent, shape)
     if len(lying) and not more:
-        lying = _walled(lying, places[faces[lying.triangle]], lattice.tolerance)
+        lying = _walled(lying, lattice)
     return Traces(
         cell,
         place,
@@ -411,18 +411,12 @@ def _lying(
     return Lying(flat[order], bits, start, axis[first], below[first], above[first])
 
 
-def _walled(lying: Lying, corners: Floats, tolerance: float) -> Lying:
-    """The flat triangles, with a wall beyond faces of the border that no cap lies in.
-
-    A cap covers the inside samples of a face, so that some of its triangles have one for a corner.
-
-    corners : (t, 3, 3) of the flat triangles
-    """
-    gap = np.abs(corners - np.rint(corners)).max(axis=2).min(axis=1)
-    at_sample = np.asarray(gap <= tolerance)
-    capped = np.logical_or.reduceat(at_sample, lying.start[:-1])
+def _walled(lying: Lying, lattice: Lattice) -> Lying:
+    """The flat triangles, with a wall beyond faces of the border in which the mesh ends."""
+    ends_here = np.array([end.end == "open" and end.inset >= 0 for end in lattice.ends])
+    walled = ends_here[lying.axis]
     below, above = (
-        np.where((row == OUTSIDE) & ~capped, WALL, row) for row in (lying.below, lying.above)
+        np.where((row == OUTSIDE) & walled, WALL, row) for row in (lying.below, lying.above)
     )
     return replace(lying, below=below, above=above)
 

@@ -260,7 +260,7 @@ def _facets(view: View, scene: Scene) -> Iterator[Part]:
         if width == 1 and not (border and uses == 1):
             yield dot(view, place[0], "spot" if uses == 1 else "crowd", 4, nearer=NEAR)
         for a, b in combinations(place, 2):
-            yield line(view, a, b, kind, nearer=0.05)
+            yield line(view, a, b, kind, nearer=NEAR if kind == "crowd" else 0.05)
 
 
 def facets_of(rows: Integers) -> dict[tuple[int, ...], int]:
@@ -280,7 +280,7 @@ def _fault(view: View, scene: Scene) -> Iterator[Part]:
         if len(marked) == 1:
             yield dot(view, marked[0], "ring", 9, nearer=NEAR)
         for a, b in pairwise([*marked, marked[0]][: len(marked) + (len(marked) > 2)]):
-            yield line(view, a, b, "sore-line", nearer=NEAR)
+            yield line(view, a, b, "sore-line", nearer=2 * NEAR)
     cell = points_of(scene.numbers.get("cell"), scene.n)
     if cell is not None:
         yield from _block(view, cell[0], list(range(scene.n)))

@@ -33,6 +33,8 @@ from isograde.report.lines import JSON, ReportError, lines
 # Claims about input that is no field: measured and shown, and of no effect on the exit status.
 CONVENTIONS = frozenset({"robustness.bad_input", "robustness.nan"})
 BODIES = "bodies"
+# Verdicts of a case that is evidence, had it been judged.
+UNJUDGED = (Verdict.UNSUPPORTED, Verdict.NOT_RUN)
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Summary:
     """One claim over all cases.
 
     counts, general, tied : verdicts on all fields, on those in general position, on the others
-    passed_of : the kinds of which some case passed
+    passed_of, unjudged_of : the kinds of which some case passed, or could not be judged
     reasons : why a finding is neither pass nor failure, with how often
     """
 
@@ -61,6 +63,7 @@ class Summary:
     general: Counter[str] = fresh(default_factory=Counter)
     tied: Counter[str] = fresh(default_factory=Counter)
     passed_of: set[Kind] = fresh(default_factory=set)
+    unjudged_of: set[Kind] = fresh(default_factory=set)
     failure: Failure | None = None
     reasons: Counter[str] = fresh(default_factory=Counter)
 
@@ -119,6 +122,11 @@ class Summary:
             return "pass"
         return "unsupported" if self.counts[Verdict.UNSUPPORTED] else "no evidence"
 
+    @property
+    def only_with_ties(self) -> bool:
+        """It fails, and only on fields with ties."""
+        return bool(self.bad) and self.bad == bad_in(self.tied)
+
 
 def bad_in(counts: Mapping[str, int]) -> int:
     """Findings that say something went wrong."""
@@ -163,8 +171,8 @@ class Rung:
 
     @property
     def lacking(self) -> list[Summary]:
-        """Claims that passed nowhere."""
-        return [summary for summary in self.summaries if not summary.passed]
+        """Claims that passed nowhere, or nowhere for a kind whose cases could not be judged."""
+        return [s for s in self.summaries if not s.passed or s.unjudged_of - s.passed_of]
 
     @property
     def withdrawn(self) -> list[Summary]:
@@ -229,6 +237,8 @@ class Report:
                 summary.counts[verdict] += 1
                 if result["general"] is not None:
                     (summary.general if result["general"] else summary.tied)[verdict] += 1
+                if verdict in UNJUDGED:
+                    summary.unjudged_of.add(kind)
                 if finding is None:
                     summary.passed_of.add(kind)
                 else:
@@ -387,7 +397,7 @@ def _judged(result: JSON, names: set[str]) -> str:
     said = {verdict for name, verdict, _ in findings_of(result) if name in names}
     if said & set(EVIDENCE):
         return "judged"
-    return "unjudged" if said & {Verdict.UNSUPPORTED, Verdict.NOT_RUN} else ""
+    return "unjudged" if said & set(UNJUDGED) else ""
 
 
 def read(path: Path) -> Report:

@@ -224,9 +224,11 @@ def _begun(call: str, m: int) -> list[str]:
     """The imports, and the lines that define `extract`."""
     first, _, rest = call.partition("\n\n\n")
     imports = first.split("\n") if rest and "def " not in first and "=" not in first else []
+    lines = rest if imports else call
+    imports = [line for line in imports if line != "import numpy as np"]
     if m > 1:
         imports.append("from inspect import signature")
-    return [*sorted(imports), *[""] * bool(imports), "import numpy as np", "", "", rest or call]
+    return [*sorted(imports), *[""] * bool(imports), "import numpy as np", "", "", lines]
 
 
 def _house(declaration: JSON) -> str:

@@ -32,7 +32,9 @@ def reached(report: Report) -> str:
 def rung(rung: Rung) -> str:
     """What is said of one level."""
     if rung.state == "fail":
-        return f"{len(rung.failing)} of {len(rung.summaries)} claims fail"
+        failing, more = len(rung.failing), sum(s.only_with_ties for s in rung.summaries)
+        said = f"{failing} of {len(rung.summaries)} claims {'fails' if failing == 1 else 'fail'}"
+        return f"{said}, {more} more with ties" if more else said
     if rung.state == "pass":
         return "holds with ties too" if not rung.failing_with_ties else "holds, but not with ties"
     return missing(rung)

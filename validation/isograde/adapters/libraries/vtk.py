@@ -18,11 +18,11 @@ def surface(values, isovalue, spacing, module, filter_name, widened=True):
     return cells(contour.GetOutput(), 3, 3)
 
 
-def labels(values, isovalue, spacing, module, filter_name):
-    """The surface round the label 1 by a filter for labels, its triangles where it puts them."""
+def labels(values, isovalue, spacing, module, filter_name, nets=False):
+    """The surface round the label 1 by a filter for labels; `nets` would be smoothed otherwise."""
     contour = getattr(import_module(f"vtkmodules.{module}"), filter_name)()
     contour.SetValue(0, 1)
-    if hasattr(contour, "SmoothingOff"):
+    if nets:
         contour.SmoothingOff()
         contour.SetOutputMeshTypeToTriangles()
     contour.SetInputData(image([(values >= isovalue).astype(np.uint8)], spacing))
@@ -191,7 +191,7 @@ METHODS = {
     },
     "vtk:surface-nets": {
         "function": "labels",
-        "options": {"module": "vtkFiltersCore", "filter_name": "vtkSurfaceNets3D"},
+        "options": {"module": "vtkFiltersCore", "filter_name": "vtkSurfaceNets3D", "nets": True},
         "declaration": {
             "interpolant": "labels",
             "vertices": "cells",
