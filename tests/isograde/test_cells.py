@@ -5,16 +5,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograde.claims import CLAIMS, cells
+from isograde.claims import CLAIMS
 from isograde.declaration import Declaration, declaration_from
-from isograde.model import Case, Finding, Kind, Outcome, Status, Trial, Verdict
-from isoref import diconex
+from isograde.model import Finding, Outcome, Request, Status, Trial, Verdict
+from isoref.fast.diconex import diconex
 from isoref.fast.simplicial import extract as simplicial
-from isoref.field import Field, Floats, Integers
+from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 
 from tests.isograde.cheats import CHEATS
 from tests.isograde.families import CORRECT, Family
+from tests.isograde.judging import Here
 from tests.isograde.test_geometry import noise, of, trial, whole_numbers
 
 SPLIT = Declaration("", interpolant="tetrahedra")
@@ -121,10 +122,15 @@ def test_a_lost_or_long_triangle_makes_a_cell_illegal(name: str, change: Change)
 
 
 def contours(values: Floats, mode: str = "mixed") -> Trial:
-    """Contours of a reference method that follows pixels' edges."""
-    field = Field.of(values)
-    mesh = METHODS[f"diconex-{mode}"](field, 0.0)
-    return of(field, mesh.vertices, mesh.simplices, PLAIN)
+    """Contours of the reference's walk along pixel edges, as an adapter calls it."""
+    field = Field.of(values, (1, 0.5))
+    request = Request("test", "plain", field, (0.0,))
+
+    def extract(samples: Array, isovalue: float, spacing: tuple[float, ...]) -> Any:
+        return diconex(Field.of(samples, spacing), isovalue, mode=mode).polygons()  # type: ignore[arg-type]
+
+    outcome = Here(extract, PLAIN).run(request)
+    return of(field, outcome.vertices, outcome.simplices, PLAIN)
 
 
 @pytest.mark.parametrize("mode", ["disconnect", "connect", "mixed"])
@@ -216,9 +222,15 @@ def test_labels_are_not_judged_by_values_they_never_saw() -> None:
     assert stated(CORRECT["cubes"], *by_values) == list(by_values)
 
 
-def test_the_walk_is_in_the_plane() -> None:
-    """The contours of these tests are the reference's, of kind (2, 1)."""
-    assert contours(noise(1, (5, 5))).kind == Kind(2, 1)
-    assert diconex.__doc__
-    assert cells.CLAIMS
-    assert Case.__doc__
+def test_contours_follow_the_bilinear_interpolant_or_not() -> None:
+    """Level 3 in the plane: the saddle of one square decides; the other way is told."""
+    inside, outside = [[2.0, -1], [-1, 2]], [[1.0, -2], [-2, 1]]
+    for values, right, wrong in (
+        (inside, "connect", "disconnect"),
+        (outside, "disconnect", "connect"),
+    ):
+        samples = np.pad(np.array(values), 1, constant_values=-3.0)
+        assert judged("topology.bilinear", contours(samples, right)).verdict is Verdict.PASS
+        found = judged("topology.bilinear", contours(samples, wrong))
+        assert found.verdict is Verdict.FAIL
+        assert (found.numbers["cells"], found.numbers["wrong"]) == (1, 1)

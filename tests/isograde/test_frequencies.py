@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from isograde.cases import nielson_hamann
 from isograde.claims import frequencies as family
-from isograde.frequencies import ROWS, configuration, frequencies
 from isograde.declaration import Declaration
+from isograde.frequencies import ROWS, configuration, frequencies
 from isograde.model import Case, Finding, Outcome, Request, Status, Trial, Verdict
 from isoref import asymptotic_decider, cube, lorensen_cline
 from isoref.fast.sweep import sweep

@@ -1,15 +1,17 @@
 """Vertices are where they are said to be, crossings are right, simplices do not cross."""
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 import pytest
+from isograde.adapters.forms import arrays_from
 from isograde.claims import geometry
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import Case, Finding, Kind, Outcome, Request, Status, Trial, Verdict
+from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Array, Field, Floats
 from isoref.methods import METHODS
-from isoref.fast.simplicial import extract as simplicial
 
 from tests.isograde.cheats import CHEATS
 from tests.isograde.families import CORRECT, Family
@@ -177,7 +179,8 @@ def test_simplices_of_every_kind(kind: Kind) -> None:
     assert judged("vertices", right).verdict is Verdict.PASS
     if kind.m == 1:
         assert judged("crossing", right).verdict is Verdict.PASS
-    wrong = of(field, mesh.vertices + [0.3, *np.zeros(kind.n - 1)], mesh.simplices, split)
+    shift = 0.3 * np.eye(kind.n)[0]
+    wrong = of(field, mesh.vertices + shift, mesh.simplices, split)
     assert judged("vertices", wrong).verdict is Verdict.FAIL
 
 
@@ -221,3 +224,17 @@ def test_a_vertex_may_stand_in_a_face_whose_saddle_is_on_the_surface() -> None:
     at = [[0, 0.5, 2 / 3], [0, 0, 2 / 3], [0, 0.5, 0]]
     for field, wanted in ((tied, Verdict.PASS), (free, Verdict.FAIL)):
         assert judged("vertices", of(field, at, [[0, 1, 2]], Declaration(""))).verdict is wanted
+
+
+@pytest.mark.parametrize("method", ["marching_faces", "surface_intersection"])
+def test_curves_in_which_isosurfaces_meet(method: str) -> None:
+    """Their vertices are on faces, or in cells, where both components have both sides."""
+    module = import_module(f"isoref.fast.{method}")
+    one, other = (Field.of(noise(seed, (5, 6, 5))) for seed in (1, 2))
+    lines = [curve.polyline for curve in module.intersection_curves(one, other, (0.0, 0.0))]
+    vertices, segments = arrays_from(lines, Kind(3, 2))
+    field = Field.of(np.stack([one.values, other.values]), dimension=3)
+    right = of(field, vertices, segments, Declaration(""))
+    assert judged("vertices", right).verdict is Verdict.PASS
+    wrong = of(field, np.asarray(vertices) + 0.7, segments, Declaration(""))
+    assert judged("vertices", wrong).verdict is Verdict.FAIL
