@@ -84,7 +84,7 @@ def finding(claim: str, values: Array, extract: Extract) -> Finding:
     """What a claim says of an extractor on these values at 0."""
     field = Field.of(values)
     case = Case("test", lambda: field, (0.0,), field.values.size)
-    asked = {"plain": (field, (0.0,))}
+    asked: dict[str, tuple[Field, tuple[float, ...]]] = {"plain": (field, (0.0,))}
     for name in named(CLAIMS[claim].variants, case.kind):
         asked[name] = pose(name, case, field) or asked["plain"]
     meshes = {name: extract(posed, level) for name, (posed, (level,)) in asked.items()}
