@@ -72,7 +72,7 @@ def test_products_too_small_for_a_double_have_their_sign() -> None:
 def test_saddles_are_those_of_the_faces_of_the_active_cells() -> None:
     """Each face cut out of its cell by slicing, its sign from B(S, T)."""
     values = np.random.default_rng(1).normal(size=(5, 6, 7))
-    lattice = Lattice.of(Field.of(values), 0.25)
+    lattice = Lattice.of(Field.of(values), (0.25,))
     seen = traces(lattice, np.empty((0, 3)), np.empty((0, 3), np.int64))
     row, face, sign, _ = saddles(lattice, seen)
     found = {

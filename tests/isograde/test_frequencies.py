@@ -7,21 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 from isograde.cases import nielson_hamann
-from isograde.claims import CLAIMS
 from isograde.claims import frequencies as family
+from isograde.declaration import Declaration
 from isograde.frequencies import ROWS, configuration, frequencies
-from isograde.model import (
-    Case,
-    Conventions,
-    Declaration,
-    Finding,
-    Limits,
-    Outcome,
-    Status,
-    Trial,
-    Verdict,
-)
-from isograde.runner import Task, Worker
+from isograde.model import Case, Finding, Outcome, Request, Status, Trial, Verdict
 from isoref import asymptotic_decider, cube, lorensen_cline
 from isoref.fast.sweep import sweep
 from isoref.field import Field, FieldError, Floats
@@ -123,7 +112,7 @@ def judged(values: Floats, extract: Callable[[Field], Mesh]) -> Finding:
     """What the claim says of an extractor on these values at 0."""
     field = Field.of(values)
     mesh = extract(field)
-    case = Case("test", lambda: field, 0.0, values.size)
+    case = Case("test", lambda: field, (0.0,), values.size)
     outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
     trial = Trial(case, field, Declaration("test"), {"plain": outcome})
     return CLAIM.judge(trial)
@@ -182,13 +171,13 @@ def by_miniature(miniature: Miniature) -> set[Verdict]:
         "ties": Field.of(rng.integers(-1, 2, (5, 5, 5)).astype(float)),
     }
     levels = {"noise": 0.13, "integers": 2.5, "ties": 0.0}
-    cases = {
-        name: Case(name, partial(fields.__getitem__, name), levels[name], 125) for name in fields
-    }
-    adapter = Inside(miniature)
-    worker = Worker(adapter, adapter.open(Limits()), cases, CLAIMS)
-    wanted = (CLAIM.id,)
-    return {worker.judge(Task(name, wanted)).findings[wanted[0]].verdict for name in cases}
+    found = set()
+    for name, field in fields.items():
+        case = Case(name, partial(fields.__getitem__, name), (levels[name],), 125)
+        outcome = Inside(miniature).run(Request(name, "plain", field, case.isovalues))
+        trial = Trial(case, field, miniature.declaration, {"plain": outcome})
+        found.add(CLAIM.judge(trial).verdict)
+    return found
 
 
 @pytest.mark.parametrize(
@@ -199,7 +188,7 @@ def by_miniature(miniature: Miniature) -> set[Verdict]:
         Miniature(
             "ties outside",
             made(decide=asymptotic, tie_inside=False),
-            conventions=Conventions(tie="outside"),
+            says={"conventions": {"tie": "outside"}},
             level=3,
         ),
     ],
@@ -207,7 +196,7 @@ def by_miniature(miniature: Miniature) -> set[Verdict]:
 )
 def test_right_answers_pass_whatever_their_conventions(miniature: Miniature) -> None:
     """The grader is graded: right answers, made by code that is neither reference nor truth."""
-    assert by_miniature(miniature) == {Verdict.PASS}
+    assert by_miniature(miniature) - {Verdict.SKIP} == {Verdict.PASS}
 
 
 BROKEN = [m for m in miniatures.BROKEN if m.name in ("fixed polarity", "face means", "1987")]

@@ -140,3 +140,13 @@ def test_a_place_is_at_a_tie_where_its_own_sample_is_tied() -> None:
     near = 1 + lattice.reach / 2
     places = np.array([[1, 0, 0], [near, 1, 0], [0, 0, 0], [1, 0.5, 0], [1.5, 0, 0.0], [1, 9, 0]])
     assert lattice.at_tie(places).tolist() == [True, True, False, False, False, False]
+
+
+def test_what_is_beside_a_tie_does_not_hang_on_the_last_digit() -> None:
+    """A vertex on a lattice edge belongs to the cells all round it (skimage on sphere-uneven)."""
+    values = np.full((4, 3, 3), -1.0)
+    values[1, 1, 1] = 0.0
+    lattice = Lattice.of(Field.of(values), (0.0,))
+    exact = np.array([[2.0, 1.5, 1.0], [3.0, 1.5, 1.0]])
+    for shift in (-1e-14, 0.0, 1e-14):
+        assert lattice.beside_tie(exact + shift).tolist() == [True, False]

@@ -1,16 +1,14 @@
-"""`cases.perfect`: unmoved, the six VESTA surfaces are not degenerate; broken ones are."""
+"""`cells.perfect`: unmoved, the six VESTA surfaces are not degenerate; broken ones are."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
-from isograde.adapters.ready_made import READY_MADE
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS
-from isograde.claims.cycles import MODES
-from isograde.model import Case, Declaration, Finding, Verdict
-from isograde.runner import Task, Worker
+from isograde.declaration import Declaration
+from isograde.model import Case, Finding, Request, Trial, Verdict
 from isograde.variants import pose
 from isoref.fast.vesta import extract
 from isoref.field import Array, Field, Floats, Integers
@@ -20,13 +18,14 @@ from isoref.vesta import SIX_SURFACES
 from tests.isograde import miniatures
 from tests.isograde.miniatures import Answer, Function, Inside, Miniature, changed, made
 
-CLAIM = "cases.perfect"
+CLAIM = "cells.perfect"
+MODES = ("disconnect", "connect", "mixed")
 DECIDE = {
     "disconnect": miniatures.apart,
     "connect": miniatures.together,
     "mixed": miniatures.by_mean,
 }
-FINE = (Verdict.PASS, Verdict.UNSUPPORTED, Verdict.SKIP)
+FINE = (Verdict.PASS, Verdict.SKIP)
 
 
 def noise() -> Field:
@@ -45,27 +44,30 @@ def every_sign() -> Field:
 CASES = {
     case.id: case
     for case in (
-        Case("noise", noise, 0.125, 80, frozenset({"posed"})),
-        Case("signs", every_sign, 0.0, 336, frozenset({"ties"})),
+        Case("noise", noise, (0.125,), 80, frozenset({"posed"})),
+        Case("signs", every_sign, (0.0,), 336, frozenset({"ties"})),
     )
 }
 
 
-def findings(run: Function, mode: str, claims: tuple[str, ...]) -> Iterator[tuple[str, Finding]]:
-    """What these claims say of an implementation that declares this mode."""
-    worker = Worker(Inside(Miniature("here", run)), declared(mode), CASES, CLAIMS)
-    for case in CASES:
-        yield from worker.judge(Task(case, claims)).findings.items()
+def findings(run: Function, claims: tuple[str, ...]) -> Iterator[tuple[str, Finding]]:
+    """What these claims say of an implementation, posed as it stands and levelled."""
+    adapter = Inside(Miniature("here", run))
+    for case in CASES.values():
+        field = case.build()
+        asked = {"plain": (field, case.isovalues)}
+        levelled = pose("level", case, field)
+        if levelled is not None:
+            asked["level"] = levelled
+        outcomes = {n: adapter.run(Request(case.id, n, *posed)) for n, posed in asked.items()}
+        trial = Trial(case, field, Declaration("here"), outcomes)
+        for name in claims:
+            yield name, CLAIMS[name].judge(trial)
 
 
-def declared(mode: str) -> Declaration:
-    """Level 2, and this mode."""
-    return Declaration("here", connectivity=mode)
-
-
-def verdicts(run: Function, mode: str) -> set[Verdict]:
+def verdicts(run: Function) -> set[Verdict]:
     """What the claim says of it."""
-    return {finding.verdict for _, finding in findings(run, mode, (CLAIM,))}
+    return {finding.verdict for _, finding in findings(run, (CLAIM,))}
 
 
 def of_method(name: str) -> Function:
@@ -82,8 +84,7 @@ def of_method(name: str) -> Function:
 @pytest.mark.parametrize("kind", ["vesta", "marching-vesta"])
 def test_the_six_surfaces_are_perfect(kind: str, mode: str, resolution: str) -> None:
     """Section IV, both algorithms, L and H."""
-    assert READY_MADE[f"isoref:{kind}-{mode}-{resolution}"].connectivity == mode
-    assert verdicts(of_method(f"{kind}-{mode}-{resolution}"), mode) == {Verdict.PASS}
+    assert verdicts(of_method(f"{kind}-{mode}-{resolution}")) == {Verdict.PASS}
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -93,7 +94,7 @@ def test_other_hands_pass_too(mode: str, cut: Callable[..., object]) -> None:
 
     Its points are put in triangles as well, which the paper leaves to whoever implements it.
     """
-    assert verdicts(made(decide=DECIDE[mode], cut=cut), mode) == {Verdict.PASS}
+    assert verdicts(made(decide=DECIDE[mode], cut=cut)) == {Verdict.PASS}
 
 
 def inner(vertices: Floats) -> Integers:
@@ -143,28 +144,30 @@ BROKEN = {
 def test_a_degenerate_surface_is_caught(told: str, mode: str) -> None:
     """And the finding says in which way."""
     run = changed(BROKEN[told], made(decide=DECIDE[mode], cut=miniatures.star))
-    found = [finding for _, finding in findings(run, mode, (CLAIM,))]
+    found = [finding for _, finding in findings(run, (CLAIM,))]
     assert {finding.verdict for finding in found} == {Verdict.FAIL}
     assert any(told in finding.detail for finding in found)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("told", BROKEN)
 def test_of_the_other_claims_only_that_on_crossings_catches_it(told: str) -> None:
     """Its discs, edges and crossings are right, so this claim is needed."""
     run = changed(BROKEN[told], made(decide=miniatures.by_mean, cut=miniatures.star))
-    made_claims = tuple(name for name, c in CLAIMS.items() if c.level is None or c.level <= 2)
-    bad = {
-        name for name, finding in findings(run, "mixed", made_claims) if finding.verdict not in FINE
-    }
-    crosses = {"geometry.no_self_intersection"} if told == "cross or overlap" else set()
+    plain = tuple(
+        name
+        for name, claim in CLAIMS.items()
+        if name == CLAIM or (name.startswith(("topology.", "geometry.", "cells.")) and claim.level)
+    )
+    level2 = tuple(n for n in plain if n == CLAIM or (CLAIMS[n].level or 0) <= 2)
+    bad = {name for name, finding in findings(run, level2) if finding.verdict not in FINE}
+    crosses = {"geometry.embedded"} if told == "cross or overlap" else set()
     assert bad - {*crosses} == {CLAIM}
 
 
-def test_who_declares_no_mode_is_not_judged() -> None:
-    """A promise never made is not held against anybody."""
-    run = changed(with_late_averages, made(cut=miniatures.star))
-    assert verdicts(run, "") == {Verdict.UNSUPPORTED}
+def test_nobody_promises_it_unasked() -> None:
+    """A claim of choice; who names it among the promises is held to it."""
+    assert not CLAIMS[CLAIM].held(Declaration("here"))
+    assert CLAIMS[CLAIM].held(Declaration("here", promised=frozenset({CLAIM})))
 
 
 def test_a_levelled_field_that_gets_no_answer_is_no_pass() -> None:
@@ -175,10 +178,9 @@ def test_a_levelled_field_that_gets_no_answer_is_no_pass() -> None:
             raise ValueError("all alike")
         return miniatures.plain(values, isovalue, spacing)
 
-    found = dict(findings(run, "disconnect", (CLAIM,)))
-    assert found[CLAIM].verdict is not Verdict.PASS
-    noisy = Worker(Inside(Miniature("here", run)), declared("disconnect"), CASES, CLAIMS)
-    assert noisy.judge(Task("noise", (CLAIM,))).findings[CLAIM].verdict is Verdict.ERROR
+    found = [finding.verdict for _, finding in findings(run, (CLAIM,))]
+    assert found[0] is Verdict.ERROR
+    assert Verdict.PASS not in found
 
 
 def test_the_levelled_field_is_unmoved_and_has_the_cycles_of_the_plain_one() -> None:
@@ -187,9 +189,11 @@ def test_the_levelled_field_is_unmoved_and_has_the_cycles_of_the_plain_one() -> 
     for case in all_cases().values():
         if case.id.startswith("noise/white") and case.samples <= 720:
             field = case.build()
-            posed = pose("level", field, case.isovalue)
+            posed = pose("level", case, field)
             assert posed is not None
-            plain, level = (extract(f, a, mode="mixed") for f, a in ((field, case.isovalue), posed))
+            plain, level = (
+                extract(f, a, mode="mixed") for f, (a,) in ((field, case.isovalues), posed)
+            )
             assert level.lengths == plain.lengths
             assert np.abs(level.points - 0.5 * level.centres).max() < 2.0**-13
             lengths.update(level.lengths)

@@ -63,7 +63,7 @@ def test_resolutions_have_the_cycle_lengths_of_vesta() -> None:
 def test_the_peers_are_legal_and_keep_their_polarity(seed: int) -> None:
     """PyMCubes joins the inside corners, skimage's lorensen separates them, lewiner does both."""
     field = Field.of(np.random.default_rng(seed).normal(size=(6, 7, 8)))
-    lattice = Lattice.of(field, 0.0)
+    lattice = Lattice.of(field, (0.0,))
     mixed = measure.marching_cubes(field.values, 0.0)[:2]
     apart = measure.marching_cubes(field.values, 0.0, method="lorensen")[:2]
     together = mcubes.marching_cubes(field.values, 0.0)
@@ -78,7 +78,7 @@ def test_the_peers_are_legal_and_keep_their_polarity(seed: int) -> None:
 
 def test_a_triangle_that_spans_cells_is_found() -> None:
     """No cell contains it."""
-    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(4, 4, 4))), 0.0)
+    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(4, 4, 4))), (0.0,))
     places = np.array([[0.5, 0, 0], [2.5, 0, 0], [0, 0.5, 0]])
     assert traces(lattice, places, np.array([[0, 1, 2]])).spanning.tolist() == [0]
 
@@ -87,7 +87,7 @@ def test_a_flat_triangle_belongs_to_either_side() -> None:
     """A cell is legal with a triangle in its face, as one of the two cells there."""
     values = np.array([[[1.0, -1], [-1, 1]], [[-1.0, -1], [-1, -1]], [[-1.0, -1], [-1, -1]]])
     field = Field.of(values)
-    lattice = Lattice.of(field, 0.0)
+    lattice = Lattice.of(field, (0.0,))
     places = np.array([[0, 0.5, 0], [0, 0, 0.5], [0, 1, 0.5], [0, 0.5, 1]])
     found = traces(lattice, places, np.array([[0, 1, 2]]))
     assert found.code[0] == 0
@@ -100,7 +100,7 @@ def test_a_flat_triangle_is_seen_from_both_sides_alike() -> None:
     """The same pairs in the same order, on the upper face of one cell and the lower of the next."""
     values = np.random.default_rng(0).normal(size=(2, 2, 3))
     values[..., 1] = [[1, -1], [-1, 1]]
-    lattice = Lattice.of(Field.of(values), 0.0)
+    lattice = Lattice.of(Field.of(values), (0.0,))
     places = np.array([[0, 0.5, 1], [0.5, 0, 1], [1, 0.5, 1], [0.5, 0.5, 0.5], [0.5, 0.5, 1.5]])
     inner = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 4], [1, 2, 4], [2, 0, 4]]
     found = traces(lattice, places, np.array([[0, 1, 2], *inner]))
@@ -113,7 +113,7 @@ def test_a_flat_triangle_is_seen_from_both_sides_alike() -> None:
 def test_what_lies_outside_the_volume_is_not_looked_at() -> None:
     """Triangles in the cells beyond each side, where flat indices would wrap, and their middles."""
     values = np.random.default_rng(0).normal(size=(4, 4, 4))
-    lattice = Lattice.of(Field.of(values), 0.0)
+    lattice = Lattice.of(Field.of(values), (0.0,))
     points, faces = measure.marching_cubes(values, 0.0)[:2]
     places, faces = lattice.index(points.astype(float)), faces.astype(np.int64)
     alone = traces(lattice, places, faces)
@@ -131,7 +131,7 @@ def test_the_eight_cells_at_a_tied_sample_are_tied() -> None:
     """Whichever of their corners it is."""
     values = np.random.default_rng(0).normal(size=(5, 5, 5))
     values[1, 2, 3] = 0.0
-    lattice = Lattice.of(Field.of(values), 0.0)
+    lattice = Lattice.of(Field.of(values), (0.0,))
     found = traces(lattice, np.empty((0, 3)), np.empty((0, 3), np.int64))
     beside = (abs(found.place + 0.5 - [1, 2, 3]) < 1).all(axis=1)
     assert beside.sum() == 8
@@ -140,7 +140,7 @@ def test_the_eight_cells_at_a_tied_sample_are_tied() -> None:
 
 def test_vertices_inside_a_cell_are_counted_where_a_face_names_them() -> None:
     """Neither those on edges and faces, nor those that nothing names."""
-    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(3, 3, 3))), 0.0)
+    lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(3, 3, 3))), (0.0,))
     places = np.array([[1.5, 0.25, 1.75], [1.5, 0, 1], [1.5, 0, 1.25], [1.25, 0.5, 1.5]])
     found = traces(lattice, places, np.array([[0, 1, 2]]))
     cells = {tuple(p.tolist()): int(n) for p, n in zip(found.place, found.extra, strict=True) if n}

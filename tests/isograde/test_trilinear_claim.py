@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from isograde.claims import topology
 from isograde.claims import trilinear as family
-from isograde.model import Case, Claim, Declaration, Finding, Outcome, Status, Trial, Verdict
+from isograde.declaration import Declaration
+from isograde.model import Case, Claim, Finding, Outcome, Status, Trial, Verdict
 from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_cases import case_names
 from isograde.oracles.trilinear_grid import active_cells
@@ -19,7 +20,7 @@ from isoref.rule import Rule
 
 from tests.isograde.miniatures import Place, asymptotic, careful_fan, made
 
-(CLAIM,) = family.CLAIMS
+CLAIM, SCAN = family.CLAIMS
 Extract = Callable[[Field], Mesh]
 
 
@@ -35,7 +36,7 @@ def judged(extract: Extract, values: Array, claim: Claim = CLAIM) -> Finding:
     """What the claim says of an extractor on these values at 0."""
     field = Field.of(values, (1, 0.5, 2), (3, -1, 0))
     mesh = extract(field)
-    case = Case("test", lambda: field, 0.0, field.values.size)
+    case = Case("test", lambda: field, (0.0,), field.values.size)
     outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
     return claim.judge(Trial(case, field, Declaration("test"), {"plain": outcome}))
 
@@ -72,7 +73,11 @@ def test_the_right_answer_passes_and_every_cell_is_counted() -> None:
     finding = judged(right, noise())
     assert finding.verdict is Verdict.PASS
     names = names_of(noise())
-    assert finding.numbers == {"cells": len(names), "cases": dict(Counter(names.values()))}
+    assert finding.numbers == {
+        "cells": len(names),
+        "wrong": 0,
+        "cases": dict(Counter(names.values())),
+    }
 
 
 @pytest.mark.parametrize("name", BROKEN)
@@ -147,7 +152,7 @@ def test_an_edge_that_two_cells_draw_on_the_face_they_share_is_not_the_cells_fau
     values = np.full((3, 2, 2), -1.0)
     values[1] = [[2, -1], [-1, 2]]
     assert set(names_of(values).values()) == {"3.2"}
-    (manifold,) = (claim for claim in topology.CLAIMS if claim.id == "topology.edge_manifold")
+    (manifold,) = (claim for claim in topology.CLAIMS if claim.id == "topology.manifold")
     for extract, wanted in ((right, Verdict.PASS), (careless, Verdict.FAIL)):
         assert judged(extract, values).verdict is Verdict.PASS
         assert judged(extract, values, manifold).verdict is wanted

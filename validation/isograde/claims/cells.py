@@ -55,6 +55,7 @@ from isograde.claims.geometry import whole_of
 from isograde.declaration import Declaration
 from isograde.model import CONTOURS, SURFACES, Claim, Finding, Judge, Kind, Trial
 from isograde.oracles.bilinear import faces_of, saddles
+from isograde.oracles.complexes import Complex
 from isograde.oracles.dual import in_a_star
 from isograde.oracles.split import Sections, sections
 from isograde.oracles.squares import Squares, squares
@@ -100,7 +101,7 @@ def with_faces(kind: Kind) -> bool:
 def squares_of(trial: Trial) -> Squares:
     """What the contours do in each square of the domain."""
     domain = domain_of(trial)
-    mesh = domain.mesh
+    mesh = domain.at_places
     return remembered(
         trial, "squares", lambda: squares(domain.lattice, mesh.points, mesh.simplices)
     )
@@ -109,7 +110,7 @@ def squares_of(trial: Trial) -> Squares:
 def sections_of(trial: Trial) -> Sections:
     """What the mesh is in each simplex of the split."""
     domain = domain_of(trial)
-    mesh = domain.mesh
+    mesh = domain.at_places
     return remembered(
         trial,
         "sections",
@@ -136,7 +137,7 @@ def legal(trial: Trial) -> Finding:
 def _cells_legal(trial: Trial) -> Finding:
     """The same, of the faces of cells in space."""
     traces, domain = cells_of(trial), domain_of(trial)
-    spanning = _free(domain, traces.spanning)
+    spanning = _free(domain, domain.mesh, traces.spanning)
     if len(spanning):
         return _spanning(domain, spanning, "triangles span several cells")
     wrong = ~(traces.separated | traces.joined | traces.undecided)
@@ -171,33 +172,30 @@ def describe(traces: Traces, row: int, face: int) -> str:
     return ", ".join(found) if found else "no segment"
 
 
-def _free(domain: Domain, parts: Integers) -> Integers:
-    """Those of the parts that are in the domain and have no vertex beside a tied sample."""
-    if not len(parts):
-        return parts
-    corners = domain.mesh.points[domain.mesh.simplices[parts]]
-    shape = np.subtract(domain.lattice.shape, 1)
-    middle = corners.mean(axis=1)
-    here = ((middle >= 0) & (middle <= shape)).all(axis=1)
+def _free(domain: Domain, mesh: Complex, parts: Integers) -> Floats:
+    """(r, k + 1, n) those of the parts that are in the domain, without a vertex beside a tie."""
+    corners = mesh.points[mesh.simplices[parts]]
+    middle, last = corners.mean(axis=1), np.subtract(domain.lattice.shape, 1)
+    here = ((middle >= 0) & (middle <= last)).all(axis=1)
     beside = domain.lattice.beside_tie(corners.reshape(-1, domain.lattice.n))
-    kept: Integers = parts[here & ~beside.reshape(corners.shape[:2]).any(axis=1)]
+    kept: Floats = corners[here & ~beside.reshape(corners.shape[:2]).any(axis=1)]
     return kept
 
 
-def _spanning(domain: Domain, parts: Integers, what: str) -> Finding:
-    """The failure of parts that are in no one cell."""
-    corners = domain.mesh.points[domain.mesh.simplices[parts[0]]] + domain.corner
+def _spanning(domain: Domain, corners: Floats, what: str) -> Finding:
+    """The failure of parts, by their corners, that are in no one cell."""
+    first = [place(point) for point in corners[0] + domain.corner]
     return failed(
-        f"{len(parts)} {what}, the first has its vertices at {[place(p) for p in corners]}",
-        spanning=len(parts),
-        first=[place(p) for p in corners],
+        f"{len(corners)} {what}, the first has its vertices at {first}",
+        spanning=len(corners),
+        first=first,
     )
 
 
 def _squares_legal(trial: Trial) -> Finding:
     """The same, of the squares of the plane."""
     found, domain = squares_of(trial), domain_of(trial)
-    spanning = _free(domain, found.spanning)
+    spanning = _free(domain, domain.at_places, found.spanning)
     if len(spanning):
         return _spanning(domain, spanning, "segments span several squares")
     judged = ~found.tied
@@ -221,7 +219,7 @@ def _squares_legal(trial: Trial) -> Finding:
 def _sections_legal(trial: Trial) -> Finding:
     """The same, of the simplices of a split."""
     found, domain = sections_of(trial), domain_of(trial)
-    astray = _free(domain, found.astray)
+    astray = _free(domain, domain.at_places, found.astray)
     if len(astray):
         return _spanning(domain, astray, "simplices of the mesh are in no one simplex of the split")
     judged = np.asarray(~found.tied.any(axis=1))
@@ -255,7 +253,7 @@ def _dual(trial: Trial) -> Finding:
     lattice, mesh = domain.lattice, domain.mesh
     if not len(mesh.simplices):
         return skipped("there is no simplex")
-    bad = _free(domain, np.flatnonzero(~in_a_star(lattice, mesh.points, mesh.simplices)))
+    bad = _free(domain, mesh, np.flatnonzero(~in_a_star(lattice, mesh.points, mesh.simplices)))
     if not len(bad):
         return passed(simplices=len(mesh.simplices))
     return _spanning(domain, bad, "simplices are not in the cells round one crossed lattice edge")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
+from functools import cached_property, wraps
 from typing import Any, TypeVar
 
 import numpy as np
@@ -171,12 +171,17 @@ class Domain:
     ----------
     lattice : these samples
     corner : (n,) the first of them, as a sample of the field
-    mesh : the mesh, in the index coordinates of `lattice`; vertices of equal coordinates are one
+    mesh : the mesh, in the index coordinates of `lattice`
     """
 
     lattice: Lattice
     corner: Integers
     mesh: Complex
+
+    @cached_property
+    def at_places(self) -> Complex:
+        """The mesh with vertices of equal coordinates made one."""
+        return self.mesh.welded()
 
     def of_field(self, place: Integers) -> list[int]:
         """A sample or a cell of this lattice, by its index in the field."""
@@ -188,7 +193,7 @@ def domain_of(trial: Trial) -> Domain:
 
     def compute() -> Domain:
         lattice, corner = lattice_of(trial).within
-        found = _at_places(trial)
+        found = complex_of(trial)
         if corner.any():
             found = Complex(found.points - corner, found.simplices)
         return Domain(lattice, corner, found)
@@ -196,19 +201,12 @@ def domain_of(trial: Trial) -> Domain:
     return remembered(trial, "domain", compute)
 
 
-def _at_places(trial: Trial) -> Complex:
-    """The mesh, vertices of equal coordinates made one: cells are judged by places."""
-    found = complex_of(trial)
-    welded = found.welded()
-    return found if len(welded.points) == len(found.points) else welded
-
-
 def cells_of(trial: Trial) -> Traces:
     """What the surface does in each cell of the domain; for surfaces in space only."""
     domain = domain_of(trial)
-    mesh = domain.mesh
-    if domain.lattice is lattice_of(trial) and mesh is complex_of(trial):
+    if domain.lattice is lattice_of(trial):
         return traces_of(trial)
+    mesh = domain.mesh
     return remembered(trial, "cells", lambda: traces(domain.lattice, mesh.points, mesh.simplices))
 
 

@@ -21,6 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
+from scipy.spatial import KDTree
 
 from isograde.claims.evidence import (
     clusters,
@@ -238,10 +239,8 @@ def embedded(trial: Trial) -> Finding:
     )
     # Sheets may touch at a tied sample, and fold where its crossings fall together.
     corners = found.points[parts[pairs]].reshape(-1, trial.kind.n)
-    beside = (
-        lattice_of(trial).beside_tie(corners).reshape(len(pairs), 2 * (found.k + 1)).any(axis=1)
-    )
-    pairs = pairs[~beside]
+    excused = lattice.beside_tie(corners) | _at_own_tie(trial, corners)
+    pairs = pairs[~excused.reshape(len(pairs), 2 * (found.k + 1)).any(axis=1)]
     name = {1: "segments", 2: "triangles"}[found.k]
     if not len(pairs):
         return passed(simplices=len(parts))
@@ -253,6 +252,27 @@ def embedded(trial: Trial) -> Finding:
         simplices=len(parts),
         first=[one, other],
     )
+
+
+def _at_own_tie(trial: Trial, places: Floats) -> Booleans:
+    """(r,) places that stand at a tied sample of a lattice of the implementation's own.
+
+    What it samples there is not known. Where one of its samples is tied, crossings fall together
+    in it, and the simplices between them have no extent: these say where.
+    """
+    at = np.zeros(len(places), bool)
+    if trial.declaration.vertices != "own" or not len(places):
+        return at
+    lattice, mesh = lattice_of(trial), trial.mesh
+    points = lattice.index(mesh.vertices)
+    tolerance = max(trial.declaration.soup or 0.0, lattice.tolerance)
+    rows = np.sort(clusters(points, tolerance)[mesh.simplices], axis=1)
+    fallen = (rows[:, 1:] == rows[:, :-1]).any(axis=1)
+    if not fallen.any():
+        return at
+    ties = points[np.unique(mesh.simplices[fallen])]
+    distance, _ = KDTree(ties).query(places)
+    return np.asarray(distance <= tolerance)
 
 
 def _welded(trial: Trial) -> Complex:

@@ -51,7 +51,7 @@ def trilinear(trial: Trial) -> Finding:
     judged = (truths.ties == NONE) & ~_near_a_corner(lattice.tied, index)
     if not judged.any():
         return skipped("every cell of the surface is a tie: it has no single right answer")
-    mesh = domain.mesh
+    mesh = domain.at_places
     # What is beyond the samples is in no cell.
     inner = np.clip(mesh.points, 0, np.subtract(values.shape, 1))
     far = np.asarray((np.abs(mesh.points - inner) > lattice.tolerance).any(axis=1))

@@ -246,6 +246,8 @@ class Lattice:
         beside = np.zeros(len(places), bool)
         if not len(places) or not self.tied.any():
             return beside
+        whole = np.rint(places)
+        places = np.where(np.abs(places - whole) <= self.tolerance, whole, places)
         choices = np.stack(
             [
                 self._sample(index)[0]
