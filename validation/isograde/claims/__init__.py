@@ -1,6 +1,7 @@
 """Every claim the grader judges, by id: one module a family, each with a tuple ``CLAIMS``."""
 
 from isograde.claims import (
+    accuracy,
     bilinear,
     bodies,
     cells,
@@ -31,6 +32,7 @@ FAMILIES = (
     robustness,
     curves,
     simplices,
+    accuracy,
 )
 
 CLAIMS: dict[str, Claim] = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}

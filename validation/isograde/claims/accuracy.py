@@ -1,10 +1,13 @@
 """Claims on accuracy, beside the ladder: errors shrink as fast as theory says.
 
-A row of similar bodies in one field gives the errors at six resolutions. The observed order of
-each must not be below the formal one, which linear interpolation along the edges of the lattice
-has: 2 for position, area, volume and the distance of the triangles from the trilinear surface
-itself, 1 for normals and for total mean curvature. Thin triangles spoil normals, so what shapes
-the triangles have is measured beside them; no order is asked of it.
+A row of similar bodies in one field gives the errors at several resolutions. The observed order of
+each must not be below the formal one. Linear interpolation along the edges of the lattice, or of a
+split, has order 2 for position, for length, area and the like, for volume, and for the distance of
+triangles from the trilinear surface itself; it has order 1 for normals and for total mean
+curvature. Vertices of `cells` and of a lattice of its own are averages of such points, with the
+same orders for position, measure and volume; of their normals nothing is promised. Labels have
+order 1 for position and volume, and no order for the rest. Thin triangles spoil normals, so what
+shapes the triangles have is measured beside them; no order is asked of it.
 
 An order is below the formal one when its whole confidence interval is, by more than `SLACK`.
 """
@@ -17,11 +20,13 @@ from functools import partial
 
 import numpy as np
 
-from isograde.cases.accuracy import SCALES, Body, row
-from isograde.claims.evidence import failed, on_triangles, passed, remembered, skipped
-from isograde.model import Claim, Finding, Trial
+from isograde.cases.accuracy import Body, row
+from isograde.claims.curves import on_edges
+from isograde.claims.evidence import complex_of, failed, on_mesh, passed, remembered, skipped
+from isograde.declaration import Declaration
+from isograde.model import SURFACES, Claim, Finding, Kind, Trial, every_family, every_kind
+from isograde.oracles.complexes import Complex
 from isograde.oracles.convergence import normal_error, observed_order, total_mean_curvature
-from isograde.oracles.halfedges import Surface
 from isograde.oracles.shapes import shapes
 from isograde.oracles.trilinear_distance import distance
 
@@ -33,23 +38,23 @@ ETIENE = "Etiene and others 2009, section 4: observed order against the formal o
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """What the mesh has of one body."""
+    """What the mesh has of one body, in cells."""
 
     body: Body
-    surface: Surface
+    mesh: Complex
     trial: Trial
 
     @property
     def position(self) -> float:
         """Largest distance of a vertex in use from the body, over its scale."""
-        used = self.surface.points[self.surface.used]
+        used = self.mesh.points[self.mesh.used]
         return float(np.abs(self.body.distance(used)).max() / self.body.scale)
 
     @property
     def normal(self) -> float:
-        """Root mean square angle of the faces' normals, in radians."""
-        middles = self.surface.points[self.surface.faces].mean(axis=1)
-        return normal_error(self.surface, self.body.normals(middles))
+        """Root mean square angle between simplices and body, in radians."""
+        middles = self.mesh.points[self.mesh.simplices].mean(axis=1)
+        return normal_error(self.mesh, self.body.normals(middles))
 
     @property
     def distance(self) -> float:
@@ -57,38 +62,37 @@ class Piece:
 
         Taken at the middles of triangles and of their sides; infinite where no surface is near.
         """
-        corners = self.surface.points[self.surface.faces]
+        corners = self.mesh.points[self.mesh.simplices]
         probes = np.einsum("pk,fkd->pfd", PROBES, corners).reshape(-1, 3)
-        away = distance(self.trial.field.values, self.trial.case.isovalue, probes)
+        away = distance(self.trial.field.values, self.trial.isovalues[0], probes)
         return float(np.nan_to_num(away, nan=np.inf).max() / self.body.scale)
 
     @property
-    def area(self) -> float:
-        """Relative error of the area."""
-        return abs(self.surface.area / self.body.area - 1)
+    def measure(self) -> float:
+        """Relative error of length, area, .."""
+        return abs(self.mesh.measure / self.body.measure - 1)
 
     @property
     def volume(self) -> float:
-        """Relative error of the volume, whichever way the faces turn."""
-        return abs(abs(self.surface.volume) / self.body.volume - 1)
+        """Relative error of the volume, whichever way the simplices turn."""
+        return abs(abs(self.mesh.enclosed) / self.body.volume - 1)
 
     @property
     def bend(self) -> float:
-        """Relative error of the total mean curvature, whichever way the faces turn."""
-        return abs(abs(total_mean_curvature(self.surface)) / self.body.bend - 1)
+        """Relative error of the total mean curvature, whichever way the triangles turn."""
+        return abs(abs(total_mean_curvature(self.mesh)) / self.body.bend - 1)
 
 
 def pieces(trial: Trial) -> list[Piece]:
-    """The mesh cut into one piece a body: each face belongs to the nearest."""
+    """The mesh cut into one piece a body: each simplex belongs to the nearest."""
 
     def compute() -> list[Piece]:
-        shape = next(name for name in SCALES if trial.case.id == f"accuracy/{name}")
-        bodies, _ = row(shape)
-        surface = Surface.of(trial.mesh.vertices.astype(float), trial.mesh.simplices).welded()
-        middles = surface.points[surface.faces].mean(axis=1)
+        bodies, _ = row(trial.case.facts["row"])
+        mesh = complex_of(trial).welded()
+        middles = mesh.points[mesh.simplices].mean(axis=1)
         nearest = np.argmin([np.abs(body.distance(middles)) for body in bodies], axis=0)
         return [
-            Piece(body, Surface.of(surface.points, surface.faces[nearest == i]), trial)
+            Piece(body, Complex(mesh.points, mesh.simplices[nearest == i]), trial)
             for i, body in enumerate(bodies)
         ]
 
@@ -100,43 +104,56 @@ def converges(
     *,
     error: Callable[[Piece], float],
     formal: float,
-    also: Callable[[Surface], dict[str, float]] | None,
+    of_labels: float,
+    also: Callable[[Complex], dict[str, float]] | None,
 ) -> Finding:
     """Pass when the observed order is not below the formal one.
 
-    `also` measures the finest body's surface for the report.
+    `also` measures the finest body's triangles for the report.
     """
-    if trial.case.id not in {f"accuracy/{shape}" for shape in SCALES}:
+    if "row" not in trial.case.facts:
         return skipped("a part of the case has no whole row of bodies")
     found = pieces(trial)
-    if not all(len(piece.surface.faces) for piece in found):
-        return skipped("a body has no surface: see the claims of level 1")
+    if not all(len(piece.mesh.simplices) for piece in found):
+        return skipped("a body is missing: see the claims on bodies")
+    order_due = of_labels if trial.declaration.interpolant == "labels" else formal
     h = [1 / piece.body.scale for piece in found]
     errors = [error(piece) for piece in found]
     order = observed_order(h, errors)
     numbers = {
         "order": round(order.value, 3),
         "interval": [round(order.low, 3), round(order.high, 3)],
-        "formal": formal,
+        "formal": order_due,
         "finest_error": errors[-1],
-        **(also(found[-1].surface) if also else {}),
+        **(also(found[-1].mesh) if also and trial.kind == SURFACES else {}),
     }
-    if order.high >= formal - SLACK:
+    if order.high >= order_due - SLACK:
         return passed(**numbers)
     return failed(
         f"order {order.value:.2f} (95 %: {order.low:.2f} to {order.high:.2f}), formally "
-        f"{formal:g}; error {errors[0]:.2g} at h = {h[0]:.2g}, {errors[-1]:.2g} at h = {h[-1]:.2g}",
+        f"{order_due:g}; error {errors[0]:.2g} at h = {h[0]:.2g}, {errors[-1]:.2g} at "
+        f"h = {h[-1]:.2g}",
         **numbers,
     )
 
 
-def thinness(surface: Surface) -> dict[str, float]:
+def thinness(mesh: Complex) -> dict[str, float]:
     """The shapes of the triangles as figures: no order, and no threshold."""
-    found = shapes(surface)
+    found = shapes(mesh)
     return {
         "median_smallest_angle": round(found.median, 1),
         "thin_triangles": round(found.thin, 4),
     }
+
+
+def sees_values(declared: Declaration) -> bool:
+    """It interpolates."""
+    return declared.interpolant != "labels"
+
+
+def follows_cubes(declared: Declaration) -> bool:
+    """It interpolates along the edges of cubes."""
+    return declared.interpolant == "multilinear" and declared.vertices == "edges"
 
 
 def _claim(
@@ -144,31 +161,87 @@ def _claim(
     what: str,
     formal: float,
     error: Callable[[Piece], float],
-    also: Callable[[Surface], dict[str, float]] | None = None,
+    kinds: Callable[[Kind], bool],
+    families: Callable[[Declaration], bool],
+    also: Callable[[Complex], dict[str, float]] | None = None,
+    of_labels: float = 0.0,
 ) -> Claim:
     """A claim of this family: beside the ladder, on the bodies of `isograde.cases.accuracy`."""
+    labels = f" ({of_labels:g} of labels)" if of_labels else ""
+    judge = partial(converges, error=error, formal=formal, of_labels=of_labels, also=also)
     return Claim(
         id=f"accuracy.{name}",
-        rule=f"{what} shrinks at least with order {formal:g} as a smooth body is sampled more "
-        f"finely, to within {SLACK:g} of the 95 % confidence interval.",
+        rule=f"{what} shrinks at least with order {formal:g}{labels} as a smooth body is sampled "
+        f"more finely, to within {SLACK:g} of the 95 % confidence interval.",
         source=ETIENE,
         level=None,
-        judge=on_triangles(partial(converges, error=error, formal=formal, also=also)),
+        judge=on_mesh(judge),
+        kinds=kinds,
+        families=families,
         tags=frozenset({"accuracy"}),
-        unless=frozenset({"linear-crossing"}),
     )
 
 
+def has_extent(kind: Kind) -> bool:
+    """Points have neither length nor directions."""
+    return kind.k >= 1
+
+
+def is_surface(kind: Kind) -> bool:
+    """A surface in space."""
+    return kind == SURFACES
+
+
 CLAIMS = (
-    _claim("position", "The largest distance of a vertex", 2, lambda piece: piece.position),
-    _claim("normal", "The error of the faces' normals", 1, lambda piece: piece.normal, thinness),
+    _claim(
+        "position",
+        "The largest distance of a vertex",
+        2,
+        lambda piece: piece.position,
+        every_kind,
+        every_family,
+        of_labels=1,
+    ),
+    _claim(
+        "normal",
+        "The angle between simplices and body",
+        1,
+        lambda piece: piece.normal,
+        has_extent,
+        on_edges,
+        thinness,
+    ),
     _claim(
         "distance",
         "The largest distance of the triangles from the trilinear surface",
         2,
         lambda piece: piece.distance,
+        is_surface,
+        follows_cubes,
     ),
-    _claim("area", "The error of the area", 2, lambda piece: piece.area),
-    _claim("volume", "The error of the volume", 2, lambda piece: piece.volume),
-    _claim("curvature", "The error of the total mean curvature", 1, lambda piece: piece.bend),
+    _claim(
+        "measure",
+        "The error of the length, the area, ..",
+        2,
+        lambda piece: piece.measure,
+        has_extent,
+        sees_values,
+    ),
+    _claim(
+        "volume",
+        "The error of the volume",
+        2,
+        lambda piece: piece.volume,
+        lambda kind: kind.m == 1,
+        every_family,
+        of_labels=1,
+    ),
+    _claim(
+        "curvature",
+        "The error of the total mean curvature",
+        1,
+        lambda piece: piece.bend,
+        is_surface,
+        on_edges,
+    ),
 )

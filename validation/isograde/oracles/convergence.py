@@ -22,7 +22,7 @@ from isoref.field import Floats
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 
 
 @dataclass(frozen=True)
@@ -51,31 +51,39 @@ def observed_order(h: ArrayLike, error: ArrayLike) -> Order:
     return Order(slope, slope - half, slope + half)
 
 
-def total_mean_curvature(surface: Surface) -> float:
+def total_mean_curvature(mesh: Complex) -> float:
     """Half the sum over edges of length times the angle by which the normal turns; closed meshes.
 
     Angles are positive where the surface is convex, seen from the side the normals point to.
     """
-    edges = surface.edges
+    edges = mesh.facets
     two = edges.uses == 2
-    first, second = edges.halfedges[edges.start[two]], edges.halfedges[edges.start[two] + 1]
-    normal = _unit(surface.normals)
-    ends = surface.points[edges.ends[two]]
+    first, second = edges.sides[edges.start[two]], edges.sides[edges.start[two] + 1]
+    normal = _unit(mesh.normals)
+    ends = mesh.points[edges.rows[two]]
     way = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(way, axis=1)
     one, other = normal[first // 3], normal[second // 3]
     sine = (np.cross(one, other) * way).sum(axis=1) / np.maximum(length, np.finfo(float).tiny)
     angle = np.arctan2(sine, (one * other).sum(axis=1))
-    upwards = np.where(surface.faces.reshape(-1)[first] == edges.ends[two][:, 0], 1, -1)
+    upwards = np.where(mesh.simplices.reshape(-1)[first] == edges.rows[two][:, 0], 1, -1)
     return float((length * angle * upwards).sum() / 2)
 
 
-def normal_error(surface: Surface, truth: Floats) -> float:
-    """Root mean square angle of the faces against `truth` (F, 3), by area, either side up."""
-    area = np.linalg.norm(surface.normals, axis=1)
-    cosine = np.abs((_unit(surface.normals) * truth).sum(axis=1))
-    angle = np.arccos(np.clip(cosine, 0, 1))
-    return float(np.sqrt((area * angle**2).sum() / area.sum()))
+def normal_error(mesh: Complex, normals: Floats) -> float:
+    """Root mean square angle of the simplices against `normals` (S, m, n), by measure.
+
+    Of each simplex the largest angle between a direction in it and the space at right angles to
+    its orthonormal `normals`; either side up.
+    """
+    size = mesh.measures
+    kept = size > 0
+    place = mesh.points[mesh.simplices[kept]]
+    # Span each simplex by orthonormal vectors; what of them is along the normals is the sine.
+    span, _ = np.linalg.qr((place[:, 1:] - place[:, :1]).transpose(0, 2, 1))
+    sine = np.linalg.norm(normals[kept] @ span, ord=2, axis=(1, 2))
+    angle = np.arcsin(np.clip(sine, 0, 1))
+    return float(np.sqrt((size[kept] * angle**2).sum() / size.sum()))
 
 
 def _unit(vectors: Floats) -> Floats:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from isoref.field import Floats
 
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 
 THIN = 5.0
 """Degrees: a triangle with a smaller angle is counted as thin."""
@@ -31,21 +31,21 @@ class Shapes:
     thin: float
 
 
-def smallest_angles(surface: Surface) -> Floats:
+def smallest_angles(mesh: Complex) -> Floats:
     """(F,) the smallest angle of each triangle, in degrees.
 
     >>> points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
-    >>> smallest_angles(Surface.of(points, np.array([[0, 1, 2]]))).round(9)
+    >>> smallest_angles(Complex.of(points, np.array([[0, 1, 2]]))).round(9)
     array([45.])
     """
-    corners = surface.points[surface.faces]
+    corners = mesh.points[mesh.simplices]
     sides = np.roll(corners, -1, axis=1) - corners
     back = -np.roll(sides, 1, axis=1)
     area = np.linalg.norm(np.cross(sides, back), axis=2)
     return np.asarray(np.degrees(np.arctan2(area, (sides * back).sum(axis=2))).min(axis=1))
 
 
-def shapes(surface: Surface) -> Shapes:
+def shapes(mesh: Complex) -> Shapes:
     """The shapes of a mesh that has triangles."""
-    angles = smallest_angles(surface)
+    angles = smallest_angles(mesh)
     return Shapes(float(np.median(angles)), float((angles < THIN).mean()))
