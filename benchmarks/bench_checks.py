@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from bench_extraction import gyroid
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
@@ -32,17 +32,17 @@ ASKED = {
 
 def ours(mesh: Mesh) -> object:
     """Every property of the half-edge truth."""
-    surface = Surface.of(mesh.vertices, mesh.simplices)
+    surface = Complex.of(mesh.vertices, mesh.simplices)
     return (
-        len(surface.open_edges),
-        len(surface.crowded_edges),
-        len(surface.unbalanced_edges),
+        len(surface.open_facets),
+        len(surface.crowded_facets),
+        len(surface.unbalanced_facets),
         len(surface.fans),
-        surface.boundary_loops,
+        surface.boundary_pieces,
         surface.euler,
         surface.components,
-        surface.area,
-        surface.volume,
+        surface.measure,
+        surface.enclosed,
     )
 
 

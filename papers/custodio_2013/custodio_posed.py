@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 from isograde.model import Adapter, AdapterError, Request
-from isograde.oracles.halfedges import Surface, components_of
+from isograde.oracles.complexes import Complex, components_of
 from isoref.field import Field
 from numpy.typing import NDArray
 
@@ -89,20 +89,20 @@ def padded(cells: Floats) -> Floats:
     return np.pad(cells, [(0, 0)] + [(1, 1)] * 3, constant_values=top)
 
 
-def answer(adapter: Adapter, values: Floats) -> Surface:
+def answer(adapter: Adapter, values: Floats) -> Complex:
     """What the implementation makes of a field, equal vertices made one. Raises AdapterError."""
     outcome = adapter.run(Request("papers/custodio_2013", "plain", Field.of(values), (0.0,)))
     if outcome.mesh is None:
         raise AdapterError(f"no mesh: {outcome.status}, {outcome.detail}")
-    return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
+    return Complex.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
 
 
-def euler_of_cells(surface: Surface, side: int) -> Ints:
+def euler_of_cells(surface: Complex, side: int) -> Ints:
     """(side^3,) V - E + F of the triangles in the middle cell of each block of 4^3 samples."""
-    middle = surface.points[surface.faces].mean(axis=1)
+    middle = surface.points[surface.simplices].mean(axis=1)
     inside = ((middle % 4 >= 1) & (middle % 4 <= 2)).all(axis=1)
     home = _home(middle[inside], 4, side)
-    faces = surface.faces[inside]
+    faces = surface.simplices[inside]
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
     corners = np.unique(np.stack([np.repeat(home, 3), faces.reshape(-1)], axis=1), axis=0)
     sides = np.unique(np.column_stack([np.repeat(home, 3), ends]), axis=0)
@@ -110,22 +110,22 @@ def euler_of_cells(surface: Surface, side: int) -> Ints:
     return np.asarray(V - E + F, np.int64)
 
 
-def betti_of_blocks(surface: Surface, n: int, side: int) -> Ints:
+def betti_of_blocks(surface: Complex, n: int, side: int) -> Ints:
     """(side^3, 2) b0 and b1 of the surface in each block of n^3 samples; -1 where it is open.
 
     A surface with a border has no handles to compare: its grid is wrong whatever they are.
     """
     total = side**3
-    _, piece = components_of(len(surface.points), surface.edges.ends.T)
+    _, piece = components_of(len(surface.points), surface.facets.rows.T)
     used = np.flatnonzero(surface.used)
     _, first = np.unique(piece[used], return_index=True)
     home = _home(surface.points, n, side)
     b0 = np.bincount(home[used][first], minlength=total)
     chi = np.bincount(home[used], minlength=total)
-    chi -= np.bincount(home[surface.edges.ends[:, 0]], minlength=total)
-    chi += np.bincount(home[surface.faces[:, 0]], minlength=total)
+    chi -= np.bincount(home[surface.facets.rows[:, 0]], minlength=total)
+    chi += np.bincount(home[surface.simplices[:, 0]], minlength=total)
     handles = np.where(chi % 2 == 0, b0 - chi // 2, -1)
-    handles[home[surface.open_edges[:, 0]]] = -1
+    handles[home[surface.open_facets[:, 0]]] = -1
     return np.stack([b0, handles], axis=1).astype(np.int64)
 
 

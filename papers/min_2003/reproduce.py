@@ -20,7 +20,8 @@ import min_examples as examples
 import min_growth as growth
 import min_pictures as pictures
 import numpy as np
-from isograde.oracles import simplices as oracle
+from isograde.oracles import complexes as oracle
+from isograde.oracles.covering import covered, inner_open_facets
 from isograde.reproduction import Table, write_report
 from isoref.dyadic import Tree
 from isoref.fast.dyadic import dyadic_tree, section_of_leaves
@@ -67,7 +68,7 @@ def main() -> None:
 OPENING = """Made by `papers/min_2003/reproduce.py`. "paper" holds printed numbers; "expected" what
 theory says must come out, which the paper's own numbers are fitted against too. The modules are
 `isoref.kuhn`, `isoref.simplex_section`, `isoref.simplicial`, `isoref.dyadic` and
-`isoref.projection`; what is said of a mesh is counted by `isograde.oracles.simplices`, which shares
+`isoref.projection`; what is said of a mesh is counted by `isograde.oracles.complexes`, which shares
 no code with them. Times are CPU times of one thread on the machine that made this report: compare
 rates, not milliseconds. The paper's are of a 2.2 GHz PC of 2003 in C++.
 """
@@ -139,6 +140,11 @@ def sections(folder: Path, small: bool) -> Iterator[Table | str]:
     )
 
 
+def counted(mesh: Mesh) -> oracle.Complex:
+    """The mesh with what is true of it."""
+    return oracle.Complex.of(mesh.vertices, mesh.simplices)
+
+
 def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
     """The conformity check on meshes: facets met by two different cuts."""
     rows = []
@@ -149,12 +155,12 @@ def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
         for rule in ("staircase", "printed"):
             mesh = extract(field, rule=rule)
             box = [[0.0] * n, [N - 1.0 for N in shape]]
-            alone = oracle.open_facets(mesh.vertices, mesh.simplices, box)
-            covered = int(oracle.covered(mesh.vertices, alone).sum())
-            volume = float(oracle.measures(mesh.vertices, mesh.simplices).sum())
-            every = len(oracle.facets(mesh.simplices).owners)
+            alone = inner_open_facets(counted(mesh), box)
+            doubled = int(covered(mesh.vertices, alone).sum())
+            volume = float(counted(mesh).measure)
+            every = len(counted(mesh).facets.uses)
             rows.append(
-                [n, m, rule, len(mesh.simplices), every, len(alone), covered, f"{volume:.9g}"]
+                [n, m, rule, len(mesh.simplices), every, len(alone), doubled, f"{volume:.9g}"]
             )
     yield "## The conformity check: random samples, facets away from the border\n"
     yield rows_of(
@@ -337,8 +343,8 @@ def leaf(folder: Path, small: bool) -> Iterator[Table | str]:
         _, complex_ = from_tree(lifted, N)
         curve = to_mesh(complex_, tuple(lifted.spacing(N)), tuple(lifted.low))
         for name, mesh in (("in the plane", plane), ("lifted", curve)):
-            pieces = oracle.components(mesh.simplices)
-            ends = int((oracle.facets(mesh.simplices).owners == 1).sum())
+            pieces = counted(mesh).components
+            ends = int((counted(mesh).facets.uses == 1).sum())
             rows.append([half, name, len(mesh.simplices), pieces, ends])
     for ax, mesh, title in zip(
         axes, (plane, curve), ("level set", "lifted, projected"), strict=True
@@ -380,10 +386,10 @@ def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
         if N == sizes[min(2, len(sizes) - 1)]:
             shown_at = N
             picture_of(folder, example, complex_, N)
-            euler = oracle.euler_characteristic(complex_.simplices)
             box = [list(example.low), list(example.high)]
             mesh = to_mesh(complex_, tuple(example.spacing(N)), tuple(example.low))
-            holes = len(oracle.open_facets(mesh.vertices, mesh.simplices, box))
+            euler = oracle.Complex.of(mesh.vertices, complex_.simplices).euler
+            holes = len(inner_open_facets(counted(mesh), box))
     surface = [TRIANGLE_BYTES * t for t in triangles]
     table = Table("Table 7: bytes of the lifted surface")
     for N, ours in zip(sizes, surface, strict=True):
@@ -478,11 +484,11 @@ def complex_circle(folder: Path, small: bool) -> Iterator[Table | str]:
     field = example.field(N - 1)
     mesh = extract(field)
     table = Table(f"Section 7.4: z1^2 + z2^2 = 1 on {N}^4 samples, a tube")
-    euler = oracle.euler_characteristic(mesh.simplices)
+    euler = counted(mesh).euler
     table.add("Euler characteristic", None, euler, expected=0)
-    table.add("pieces", None, oracle.components(mesh.simplices), expected=1)
-    rim = oracle.facets(mesh.simplices)
-    rims = oracle.components(rim.rows[rim.owners == 1])
+    table.add("pieces", None, counted(mesh).components, expected=1)
+    rim = counted(mesh).facets
+    rims = oracle.Complex.of(mesh.vertices, rim.rows[rim.uses == 1]).components
     table.add("closed curves at its rim", None, rims, expected=2)
     yield table
     views = [("(x, y, p)", (0, 1, 2)), ("(x, y, q)", (0, 1, 3))]
@@ -503,9 +509,9 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
         radius = np.linalg.norm(sphere.vertices, axis=1)
         off[N] = (sphere.vertices[:, 2], (radius - 0.75**0.5) / field.spacing[0] ** 2)
         worst.append(float(abs(radius - 0.75**0.5).max()))
-        area.append(float(abs(oracle.measures(mesh.vertices, mesh.simplices).sum() - 3 * pi)))
+        area.append(float(abs(counted(mesh).measure - 3 * pi)))
         height = float(abs(mesh.vertices[:, 3]).max())
-        euler = oracle.euler_characteristic(mesh.simplices)
+        euler = counted(mesh).euler
         rows.append([N, len(mesh.simplices), worst[-1], area[-1], height, euler])
         if N == sizes[-2]:
             image = shaded(field, (0, 1, 2), (0.9, -0.7, 0.55))

@@ -89,7 +89,7 @@ def agreement(name: str, asked: Posed) -> Agreement:
         row.whole = Counter(np.array(asked.names)[good].tolist())
         if "on-edges" in said.without:
             row.why_not_cells = "its vertices are not on the lattice's edges"
-            row.crossing = len(self_intersections(islands.points, islands.faces))
+            row.crossing = len(self_intersections(islands.points, islands.simplices))
         else:
             _judge_cells(adapter, row, asked)
     except AdapterError as error:
@@ -120,9 +120,9 @@ def crossing(adapter: Adapter, values: Floats, side: int) -> int:
         block = values[start : start + side**3]
         padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
         answer = surface(adapter, stacked(padded, side))
-        middle = answer.points[answer.faces].mean(axis=1)
+        middle = answer.points[answer.simplices].mean(axis=1)
         here = ((middle - 1) % 3 <= 1).all(axis=1)
-        total += len(self_intersections(answer.points, answer.faces[here]))
+        total += len(self_intersections(answer.points, answer.simplices[here]))
     return total
 
 
@@ -145,7 +145,7 @@ def grids_of_noise(adapter: Adapter, number: int, size: int) -> tuple[int, int, 
         answer = surface(adapter, values)
         index, corners = active_cells(values, 0.0)
         truths = cells(corners)
-        found = judge(answer.points, answer.faces, index, truths, values.shape)
+        found = judge(answer.points, answer.simplices, index, truths, values.shape)
         good = truths.ties == NONE
         total += int(good.sum())
         wrong += sum(f is not Fault.NONE for f, g in zip(found, good, strict=True) if g)
@@ -156,7 +156,7 @@ def grids_of_noise(adapter: Adapter, number: int, size: int) -> tuple[int, int, 
 def crossing_in_grids(adapter: Adapter, number: int, size: int) -> int:
     """Pairs of triangles that meet in more than they share, over the first of these grids."""
     return sum(
-        len(self_intersections(answer.points, answer.faces))
+        len(self_intersections(answer.points, answer.simplices))
         for answer in (surface(adapter, values) for values in noise_grids(number, size))
     )
 

@@ -10,7 +10,7 @@ import pymeshlab
 from isograde.cases import accuracy
 from isograde.claims.accuracy import CLAIMS, PROBES
 from isograde.model import Adapter, Case, Declaration, Finding, Request, Trial
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.shapes import Shapes, shapes
 from isograde.oracles.trilinear_distance import distance
@@ -26,10 +26,10 @@ def smooth_noise(n: int = 24, seed: int = 0) -> Floats:
     return np.asarray(np.rint(values / values.std() * 256) / 256 + 1 / 1024)
 
 
-def by_meshlab(surface: Surface) -> int:
+def by_meshlab(surface: Complex) -> int:
     """Number of triangles that meet others where they should not, as MeshLab counts them."""
     meshes = pymeshlab.MeshSet()
-    meshes.add_mesh(pymeshlab.Mesh(surface.points, surface.faces.astype(np.int32)))
+    meshes.add_mesh(pymeshlab.Mesh(surface.points, surface.simplices.astype(np.int32)))
     meshes.compute_selection_by_self_intersections_per_face()
     return int(meshes.current_mesh().selected_face_number())
 
@@ -57,7 +57,7 @@ class Geometry:
 def measured(adapter: Adapter, values: Floats) -> Geometry:
     """The measures on one field."""
     answer = posing.surface(adapter, values)
-    probes = np.einsum("pk,fkd->pfd", PROBES, answer.points[answer.faces]).reshape(-1, 3)
+    probes = np.einsum("pk,fkd->pfd", PROBES, answer.points[answer.simplices]).reshape(-1, 3)
     probes = probes[:: max(1, len(probes) // 30_000)]
     away = distance(values, 0.0, probes)
     found = away[np.isfinite(away)]
@@ -66,9 +66,9 @@ def measured(adapter: Adapter, values: Floats) -> Geometry:
         float(np.quantile(found, 0.999)),
         len(away) - len(found),
         shapes(answer),
-        len(self_intersections(answer.points, answer.faces)),
+        len(self_intersections(answer.points, answer.simplices)),
         by_meshlab(answer),
-        len(answer.faces),
+        len(answer.simplices),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from isograde.cases import trilinear_cells
 from isograde.cases.trilinear_cells import TUNNELS
 from isograde.model import Adapter, AdapterError, Request
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import cells
 from isoref.field import Field
@@ -46,12 +46,12 @@ def places(side: int) -> NDArray[np.int64]:
     return 1 + 3 * np.stack(np.unravel_index(np.arange(side**3), (side,) * 3), axis=1)
 
 
-def surface(adapter: Adapter, values: Floats) -> Surface:
+def surface(adapter: Adapter, values: Floats) -> Complex:
     """What the implementation answers, equal vertices made one. Raises `AdapterError`."""
     outcome = adapter.run(Request("papers/trilinear", "plain", Field.of(values), (0.0,)))
     if outcome.mesh is None:
         raise AdapterError(f"no mesh: {outcome.status}, {outcome.detail}")
-    return Surface.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
+    return Complex.of(outcome.mesh.vertices, outcome.mesh.simplices).welded()
 
 
 def faults(adapter: Adapter, values: Floats, side: int = 10) -> list[Fault]:
@@ -62,7 +62,7 @@ def faults(adapter: Adapter, values: Floats, side: int = 10) -> list[Fault]:
         padded = np.concatenate([block, np.ones((side**3 - len(block), 2, 2, 2))])
         field = stacked(padded, side)
         answer = surface(adapter, field)
-        judged = judge(answer.points, answer.faces, places(side), cells(padded), field.shape)
+        judged = judge(answer.points, answer.simplices, places(side), cells(padded), field.shape)
         found += judged[: len(block)]
     return found
 
@@ -88,7 +88,7 @@ def tunnel_pairs() -> Iterator[Floats]:
 
 def crowded(adapter: Adapter, values: Floats) -> bool:
     """Whether some edge of the answer has more than two triangles."""
-    return len(surface(adapter, values).crowded_edges) > 0
+    return len(surface(adapter, values).crowded_facets) > 0
 
 
 def line(n: int) -> NDArray[np.int64]:

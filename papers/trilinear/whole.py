@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 import posing
 from isograde.model import Adapter
-from isograde.oracles.halfedges import Surface, components_of
+from isograde.oracles.complexes import Complex, components_of
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_grid import grid
 from numpy.typing import NDArray
@@ -49,22 +49,22 @@ def truth(values: posing.Floats) -> Ints:
     return np.array([(one.components, one.euler) for one in glued])[back.reshape(-1)]
 
 
-def found(answer: Surface, side: int) -> Ints:
+def found(answer: Complex, side: int) -> Ints:
     """(side^3, 2) components and Euler characteristic of the mesh on each island."""
     place = np.floor((answer.points + 0.5) / SIZE).astype(np.int64)
     home = np.ravel_multi_index(tuple(np.clip(place, 0, side - 1).T), (side,) * 3)
     used = answer.used
-    _, component = components_of(len(answer.points), answer.edges.ends.T)
+    _, component = components_of(len(answer.points), answer.facets.rows.T)
     _, lowest = np.unique(component[used], return_index=True)
     pieces = home[used][lowest]
     total = side**3
     euler = np.bincount(home[used], minlength=total)
-    euler -= np.bincount(home[answer.edges.ends[:, 0]], minlength=total)
-    euler += np.bincount(home[answer.faces[:, 0]], minlength=total)
+    euler -= np.bincount(home[answer.facets.rows[:, 0]], minlength=total)
+    euler += np.bincount(home[answer.simplices[:, 0]], minlength=total)
     return np.stack([np.bincount(pieces, minlength=total), euler], axis=1)
 
 
-def answers(adapter: Adapter, values: posing.Floats, side: int) -> Iterator[tuple[Surface, int]]:
+def answers(adapter: Adapter, values: posing.Floats, side: int) -> Iterator[tuple[Complex, int]]:
     """What the implementation makes of the islands, and how many of them are cells of ours."""
     for start in range(0, len(values), side**3):
         block = values[start : start + side**3]
@@ -74,7 +74,7 @@ def answers(adapter: Adapter, values: posing.Floats, side: int) -> Iterator[tupl
 
 def right(
     adapter: Adapter, values: posing.Floats, wanted: Ints, side: int
-) -> tuple[NDArray[np.bool_], Surface]:
+) -> tuple[NDArray[np.bool_], Complex]:
     """(n,) islands with the true components and Euler characteristic; and the first answer."""
     made, kept = [], None
     for answer, number in answers(adapter, values, side):

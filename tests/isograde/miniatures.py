@@ -842,22 +842,25 @@ ROUGH = (
         "halved edges",
         halved,
         "accuracy.normal",
-        tuple(f"accuracy.{name}" for name in ("position", "distance", "area", "curvature")),
+        tuple(f"accuracy.{name}" for name in ("position", "distance", "measure", "curvature")),
     ),
     Miniature(
         "coarsened",
         changed(coarsened, accurate),
         "accuracy.distance",
-        tuple(f"accuracy.{name}" for name in ("normal", "area", "volume", "curvature")),
+        tuple(f"accuracy.{name}" for name in ("normal", "measure", "volume", "curvature")),
     ),
     Miniature(
-        "three layers", changed(in_three_layers, accurate), "accuracy.area", ("accuracy.curvature",)
+        "three layers",
+        changed(in_three_layers, accurate),
+        "accuracy.measure",
+        ("accuracy.curvature",),
     ),
     Miniature(
         "lowered",
         lowered,
         "accuracy.volume",
-        ("accuracy.position", "accuracy.distance", "accuracy.area"),
+        ("accuracy.position", "accuracy.distance", "accuracy.measure"),
     ),
     Miniature(
         "half turned",

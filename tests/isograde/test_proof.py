@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from isograde.command import app
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.proof import Check, Proof, prove
 from isograde.proof.certificate import certificate
 from isograde.proof.loading import RuleError, load_rule
@@ -89,8 +89,8 @@ def torn(axis: int, low: int, high: int) -> bool:
             index[axis] += shift
             values[tuple(index)] = 1.0 if cell >> c & 1 else -1.0
     mesh = sweep(LORENSEN_CLINE, Field.of(values), 0.0)
-    surface = Surface.of(mesh.vertices, mesh.simplices)
-    between = (mesh.vertices[surface.open_edges][:, :, axis] == 1.0).all(axis=1)
+    surface = Complex.of(mesh.vertices, mesh.simplices)
+    between = (mesh.vertices[surface.open_facets][:, :, axis] == 1.0).all(axis=1)
     return bool(between.any())
 
 
@@ -126,7 +126,7 @@ def test_what_the_trials_find_is_open_on_data_of_one_decimal(kind: str) -> None:
     for _ in range(40):
         values = np.pad(rng.integers(-9, 10, (12, 12, 12)) / 10, 1, constant_values=-1.0)
         mesh = sweep(WRONG[kind].rule, Field.of(values), 0.1)
-        found += len(Surface.of(mesh.vertices, mesh.simplices).open_edges)
+        found += len(Complex.of(mesh.vertices, mesh.simplices).open_facets)
     assert found > 0
 
 

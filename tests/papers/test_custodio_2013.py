@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from isograde.adapters import open_adapter
 from isograde.model import Adapter, Limits
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_grid import grid
 from isoref.field import Field
@@ -32,10 +32,10 @@ def reference() -> Iterator[Adapter]:
     adapter.close()
 
 
-def surface(values: Any, method: str = "trilinear-cubes") -> Surface:
+def surface(values: Any, method: str = "trilinear-cubes") -> Complex:
     """The method's surface, equal vertices made one."""
     mesh = METHODS[method](Field.of(values), 0.0)
-    return Surface.of(mesh.vertices, mesh.simplices).welded()
+    return Complex.of(mesh.vertices, mesh.simplices).welded()
 
 
 def grids(number: int, seed: int = 0) -> Any:

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from isograde.oracles import simplices as oracle
+from isograde.oracles import complexes as oracle
+from isograde.oracles.covering import covered, inner_open_facets
 from isoref import Field, FieldError, Mesh
 from isoref import simplicial as article
 from isoref.fast.marching_faces import intersection_curves
@@ -48,12 +49,17 @@ def sampled(n: int, N: int, half: float, *functions: Callable[..., Any]) -> Fiel
     return Field.of(values, 2 * half / (N - 1), [-half] * n, dimension=n)
 
 
+def counted(mesh: Mesh) -> oracle.Complex:
+    """The mesh with what is true of it."""
+    return oracle.Complex.of(mesh.vertices, mesh.simplices)
+
+
 def assert_manifold(mesh: Mesh, where: list[list[float]]) -> None:
     """Closed away from the border, at most two simplices on a facet, oriented alike."""
-    found = oracle.facets(mesh.simplices)
-    assert found.owners.max(initial=0) <= 2
-    assert (found.balance[found.owners == 2] == 0).all()
-    assert len(oracle.open_facets(mesh.vertices, mesh.simplices, where)) == 0
+    found = counted(mesh).facets
+    assert found.uses.max(initial=0) <= 2
+    assert (found.balance[found.uses == 2] == 0).all()
+    assert len(inner_open_facets(counted(mesh), where)) == 0
 
 
 def in_order(complex_: Complex) -> dict[str, Any]:
@@ -107,11 +113,11 @@ def test_printed_tables_make_a_complex_up_to_dimension_four_but_not_in_five(n: i
     """Table 4: in dimension 5 facets are met by two different cuts; no gap, but no complex."""
     field = Field.of(np.random.default_rng(5).normal(size=(3, 3, 2, 2, 2)[:n]))
     mesh, good = extract(field, rule="printed"), extract(field)
-    rows = oracle.open_facets(mesh.vertices, mesh.simplices, box(field))
+    rows = inner_open_facets(counted(mesh), box(field))
     assert (len(rows) > 0) == (n == 5)
-    assert oracle.covered(mesh.vertices, rows).all()
+    assert covered(mesh.vertices, rows).all()
     assert len(mesh.simplices) == len(good.simplices)
-    total, same = (oracle.measures(x.vertices, x.simplices).sum() for x in (mesh, good))
+    total, same = (oracle.Complex.of(x.vertices, x.simplices).measure for x in (mesh, good))
     assert total == pytest.approx(same, rel=1e-12)
 
 
@@ -139,7 +145,7 @@ def test_orientation_puts_the_gradients_before_the_edges(n: int, m: int) -> None
     slopes = gradients(complex_.parents, lambda i: flat[:, i].T, field.shape, field.spacing)
     edges = np.diff(mesh.vertices[mesh.simplices], axis=1)
     frame = np.linalg.det(np.concatenate([-slopes, edges], axis=1))
-    big = oracle.measures(mesh.vertices, mesh.simplices) > 1e-9
+    big = counted(mesh).measures > 1e-9
     assert big.any()
     assert (frame[big] > 0).all()
 
@@ -172,9 +178,9 @@ def test_it_is_marching_tetrahedra_for_a_scalar_field_in_space() -> None:
     assert len(peer.points) == len(mesh.vertices)
     near, _ = cKDTree(mesh.vertices).query(np.asarray(peer.points, float))
     np.testing.assert_allclose(near, 0, atol=1e-5)
-    area = oracle.measures(np.asarray(peer.points, float), faces).sum()
-    assert oracle.measures(mesh.vertices, mesh.simplices).sum() == pytest.approx(area, rel=1e-5)
-    assert oracle.euler_characteristic(mesh.simplices) == oracle.euler_characteristic(faces)
+    theirs = oracle.Complex.of(np.asarray(peer.points, float), faces)
+    assert counted(mesh).measure == pytest.approx(theirs.measure, rel=1e-5)
+    assert counted(mesh).euler == theirs.euler
 
 
 def test_it_follows_the_curves_of_marching_faces_for_two_fields_in_space() -> None:
@@ -186,13 +192,13 @@ def test_it_follows_the_curves_of_marching_faces_for_two_fields_in_space() -> No
         mesh = extract(field)
         fields = [Field.of(v, field.spacing, field.origin) for v in field.values]
         curves = intersection_curves(fields[0], fields[1], (0.0, 0.0))
-        assert len(curves) == oracle.components(mesh.simplices) == 1
+        assert len(curves) == counted(mesh).components == 1
         assert curves[0].closed
         points = curves[0].polyline
         fine = np.concatenate([points[:-1] + t * np.diff(points, axis=0) for t in (0, 0.25, 0.5)])
         near, _ = cKDTree(fine).query(mesh.vertices)
         apart.append(np.max(near) / (2.8 / (N - 1)))
-        length = oracle.measures(mesh.vertices, mesh.simplices).sum()
+        length = counted(mesh).measure
         differences.append(abs(length - curves[0].length))
     assert max(apart) < 0.35
     assert differences[1] < 0.5 * differences[0]
@@ -209,10 +215,10 @@ def test_spheres_have_the_euler_characteristic_of_spheres(n: int, N: int, euler:
     field = sampled(n, N, 1.3, sphere)
     mesh = extract(field)
     assert_manifold(mesh, box(field))
-    assert oracle.euler_characteristic(mesh.simplices) == euler
-    assert oracle.components(mesh.simplices) == 1
-    assert oracle.signed_volume(mesh.vertices, mesh.simplices) > 0
-    assert len(oracle.facets(mesh.simplices).owners) == len(mesh.simplices) * n // 2
+    assert counted(mesh).euler == euler
+    assert counted(mesh).components == 1
+    assert counted(mesh).enclosed > 0
+    assert len(counted(mesh).facets.uses) == len(mesh.simplices) * n // 2
 
 
 MANIFOLDS: dict[str, tuple[int, int, float, tuple[Callable[..., Any], ...], int, int]] = {
@@ -245,9 +251,9 @@ def test_known_closed_manifolds_have_their_euler_characteristic(name: str) -> No
     mesh = extract(field)
     assert mesh.dimension == n - len(functions)
     assert_manifold(mesh, box(field))
-    assert (oracle.facets(mesh.simplices).owners == 2).all()
-    assert oracle.euler_characteristic(mesh.simplices) == euler
-    assert oracle.components(mesh.simplices) == pieces
+    assert (counted(mesh).facets.uses == 2).all()
+    assert counted(mesh).euler == euler
+    assert counted(mesh).components == pieces
 
 
 @pytest.mark.parametrize(("degree", "half", "N", "euler"), [(2, 1.5, 12, 0), (3, 1.5, 22, -3)])
@@ -262,7 +268,7 @@ def test_complex_curves_have_the_genus_of_their_degree(
     field = sampled(4, N, half, lambda *x: f(*x).real, lambda *x: f(*x).imag)
     mesh = extract(field)
     assert_manifold(mesh, box(field))
-    assert oracle.euler_characteristic(mesh.simplices) == euler
+    assert counted(mesh).euler == euler
 
 
 @pytest.mark.parametrize(
@@ -283,7 +289,7 @@ def test_volumes_of_known_manifolds_converge_in_second_order(
     errors = []
     for N in sizes:
         mesh = extract(sampled(n, N, 1.33, *functions))
-        errors.append(abs(oracle.measures(mesh.vertices, mesh.simplices).sum() - exact))
+        errors.append(abs(counted(mesh).measure - exact))
     order = np.log2(errors[0] / errors[-1]) / (len(sizes) - 1)
     assert order > 1.7
 
@@ -329,8 +335,8 @@ def degree_on_the_border(field: Field) -> float:
     n = field.dimension
     rows, signs = lattice_simplices(field.shape)
     rows[signs < 0, :2] = rows[signs < 0, 1::-1]
-    found = oracle.facets(rows)
-    border = found.owners == 1
+    found = oracle.Complex.of(np.zeros((field.values[0].size, 0)), rows).facets
+    border = found.uses == 1
     ends = field.values.reshape(n, -1).T[found.rows[border]]
     lengths = np.linalg.norm(ends, axis=2)
     volume = np.linalg.det(ends)

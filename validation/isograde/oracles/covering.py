@@ -6,9 +6,24 @@ a facet of the other. Nothing here knows how the mesh was made.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from scipy.spatial import KDTree
+
+from isograde.oracles.complexes import Complex
+
+
+def inner_open_facets(mesh: Complex, box: Sequence[Sequence[float]]) -> Integers:
+    """The facets (F, k) of one simplex that lie in no face of the box (lowest, highest corner)."""
+    low, high = np.asarray(box, np.float64)
+    slack = 1e-9 * (high - low).max()
+    rows = mesh.facets.rows[mesh.facets.uses == 1]
+    place = mesh.points[rows]
+    at_low = (abs(place - low) <= slack).all(axis=1)
+    at_high = (abs(place - high) <= slack).all(axis=1)
+    return np.asarray(rows[~(at_low | at_high).any(axis=1)])
 
 
 def covered(vertices: Floats, rows: Integers) -> Booleans:

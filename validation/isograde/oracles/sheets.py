@@ -28,8 +28,8 @@ from enum import StrEnum
 import numpy as np
 from isoref.field import Booleans, Field, Floats, Integers
 
+from isograde.oracles.complexes import components_of
 from isograde.oracles.flat import Readings
-from isograde.oracles.halfedges import components_of
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import Traces, traces
 from isograde.oracles.trilinear import EDGES, FACES, NONE, Truths

@@ -1,1 +1,0 @@
-"""Disciplines beside surfaces: contours (2-D), curves, simplices."""
