@@ -345,3 +345,12 @@ def test_a_choice_made_sometimes_is_none() -> None:
 
 def test_surfaces_are_the_usual_kind() -> None:
     assert sound().kinds == [SURFACES]
+
+
+def test_runs_of_a_part_are_ordered_by_the_first_rung_that_fails() -> None:
+    """They reach no level, but what tears is still told, and comes last."""
+    torn = made([row("a", topology__closed="fail"), row("b")], only=("a", "b"), name="torn")
+    whole = made([row("a"), row("b")], only=("a", "b"), name="whole")
+    assert by_level(whole) < by_level(torn)
+    assert headline(torn) == "torn 1.2 - part of the cases - 1 of 2 fields short of closed (a hole)"
+    assert headline(whole) == "whole 1.2 - part of the cases"

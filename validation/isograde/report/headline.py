@@ -84,14 +84,14 @@ def headline(report: Report) -> str:
 
 def standing(report: Report) -> str:
     """The headline without the name."""
-    if report.partial:
-        return "part of the cases"
     said = (level, short, with_ties, scans, unjudged)
     return " - ".join(part for tell in said if (part := tell(report)))
 
 
 def level(report: Report) -> str:
     """The level reached, of how many, and the family where it is not the usual one."""
+    if report.partial:
+        return "part of the cases"
     family = family_of(report)
     of = f"of {report.top}{f' ({family})' if family else ''}"
     if report.reached is None:
@@ -224,8 +224,8 @@ def waste(report: Report) -> float:
 
 def by_level(report: Report) -> tuple[float, ...]:
     """A key that sorts by level, then short of the next, torn, wrong cells, waste; best first."""
-    height = -1 if report.reached is None else report.reached
     rung = report.next_rung
+    height = report.top if rung is None else rung.level - 1
     share = 0.0 if rung is None else report.short_of(rung.level).share
     return (-height, share, _torn_share(report), *_topology(report), waste(report))
 

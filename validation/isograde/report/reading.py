@@ -308,7 +308,9 @@ class Report:
 
     @property
     def next_rung(self) -> Rung | None:
-        """The rung above the level reached; None at the top."""
+        """The rung above the level reached, or in a run of a part the first that fails; or None."""
+        if self.partial:
+            return next((rung for rung in self.rungs if rung.state == "fail"), None)
         height = 0 if self.reached is None else self.reached + 1
         return self.rungs[height] if height < len(self.rungs) else None
 
