@@ -68,7 +68,7 @@ NOUNS = {
     2: ("triangles", "an edge"),
 }
 # What is said of an implementation of which a claim of choice holds on every case.
-CHOICES = {
+CHOSEN = {
     "cells.separate": "separates the inside corners of every ambiguous face, by choice",
     "cells.join": "joins the inside corners of every ambiguous face, by choice",
     "cells.mean": "decides every ambiguous face by the mean of its samples, by choice",
@@ -251,7 +251,7 @@ def _topology(report: Report) -> tuple[float, float]:
 
 def choices(report: Report) -> list[str]:
     """How ambiguous faces are decided, where it is always in one way."""
-    said = [told for name, told in CHOICES.items() if _always(report.summaries.get(name))]
+    said = [told for name, told in CHOSEN.items() if _always(report.summaries.get(name))]
     if not said and _always(report.summaries.get(BILINEAR)):
         said = ["decides every ambiguous face as the bilinear interpolant does"]
     return said

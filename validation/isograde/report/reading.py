@@ -33,6 +33,8 @@ from isograde.report.lines import JSON, ReportError, lines
 # Claims about input that is no field: measured and shown, and of no effect on the exit status.
 CONVENTIONS = frozenset({"robustness.bad_input", "robustness.nan"})
 BODIES = "bodies"
+# Claims that a choice is always made one way: who does not promise one is free to choose.
+CHOICES = frozenset({"cells.separate", "cells.join", "cells.mean"})
 # Verdicts of a case that is evidence, had it been judged.
 UNJUDGED = (Verdict.UNSUPPORTED, Verdict.NOT_RUN)
 
@@ -115,9 +117,9 @@ class Summary:
 
     @property
     def state(self) -> str:
-        """One word: fail, pass, unsupported, or no evidence."""
+        """One word: fail, choice, pass, unsupported, or no evidence."""
         if self.bad:
-            return "fail"
+            return "choice" if self.id in CHOICES and not self.promised else "fail"
         if self.passed:
             return "pass"
         return "unsupported" if self.counts[Verdict.UNSUPPORTED] else "no evidence"
