@@ -12,6 +12,7 @@ from isograde.commands.console import Exit, status_of
 from isograde.model import CONTOURS, CURVES, SURFACES
 from isograde.report.headline import by_level, by_topology, choices, headline, wrong_cells
 from isograde.report.reading import CONVENTIONS, Report
+from isograde.report.words import evidence
 
 from tests.isograde.reporting import CLAIMS, body, claim, made, row
 
@@ -345,3 +346,23 @@ def test_a_choice_made_sometimes_is_none() -> None:
 
 def test_surfaces_are_the_usual_kind() -> None:
     assert sound().kinds == [SURFACES]
+
+
+def test_runs_of_a_part_are_ordered_by_the_first_rung_that_fails() -> None:
+    """They reach no level, but what tears is still told, and comes last."""
+    torn = made([row("a", topology__closed="fail"), row("b")], only=("a", "b"), name="torn")
+    whole = made([row("a"), row("b")], only=("a", "b"), name="whole")
+    assert by_level(whole) < by_level(torn)
+    assert headline(torn) == "torn 1.2 - part of the cases - 1 of 2 fields short of closed (a hole)"
+    assert headline(whole) == "whole 1.2 - part of the cases"
+
+
+def test_a_choice_that_is_not_promised_is_no_failure() -> None:
+    """Issue 12: never a bare count that reads like a bug."""
+    rows = [body(), row("a", cells__separate="fail"), row("b")]
+    free = made(rows)
+    assert [summary.id for summary in free.failures] == []
+    assert evidence(free.summaries["cells.separate"]) == "a choice, made on 2 of 3 cases"
+    bound = made(rows, promised=["cells.separate"])
+    assert [summary.id for summary in bound.failures] == ["cells.separate"]
+    assert status_of(bound) is Exit.FAILS

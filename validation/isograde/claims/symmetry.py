@@ -131,7 +131,29 @@ def brought_back(trial: Trial, variant: variants.Variant, mesh: Mesh) -> Complex
         rows = rows[:, [*range(rows.shape[1] - 2), -1, -2]]
     places = variant.back(frame.index(mesh.vertices), trial.field)
     whole = lattice_of(trial)
+    if field.shape == trial.field.shape or variant.name.startswith("symmetry/"):
+        places, rows = _within_a_period(whole, places, rows)
     return placed(trial, Mesh(whole.field.position(places), rows))
+
+
+def _within_a_period(lattice: Lattice, places: Floats, rows: Integers) -> tuple[Floats, Integers]:
+    """The simplices moved by whole periods into the period that begins at the first sample.
+
+    Vertices are repeated where simplices at them move differently.
+    """
+    for axis, end in enumerate(lattice.ends):
+        if end.end != "periodic" or not len(rows):
+            continue
+        period = lattice.shape[axis]
+        low = np.floor(places[rows][:, :, axis].min(axis=1) + lattice.tolerance)
+        moved = -np.floor(low / period).astype(np.int64)
+        span = int(moved.max() - moved.min()) + 1
+        key = rows * span + (moved - moved.min())[:, None]
+        names, flat = np.unique(key, return_inverse=True)
+        places = places[names // span].copy()
+        places[:, axis] += (names % span + moved.min()) * period
+        rows = flat.reshape(rows.shape)
+    return places, rows
 
 
 def _turned(declared: Declaration, variant: variants.Variant, n: int) -> Declaration:

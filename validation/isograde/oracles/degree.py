@@ -171,6 +171,9 @@ def _along(
     for a in range(m):
         if periodic[a]:
             face[:, a] %= shape[a]
+        else:
+            # What lies in the plane of the last samples, such as a cap, is beyond them.
+            face[where[:, a] == shape[a] - 1, a] = shape[a] - 1
     steps = [n - 1 + p for n, p in zip(shape[:m], periodic, strict=False)]
     within = ((face >= 0) & (face < steps)).all(axis=1)
     corner = np.concatenate([face, flat], axis=1)[within]

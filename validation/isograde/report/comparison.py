@@ -58,7 +58,7 @@ def _bad_cases(report: Report) -> dict[str, set[str]]:
     bad: dict[str, set[str]] = {}
     for result in report.results:
         for name, verdict, _ in findings_of(result):
-            if verdict in BAD:
+            if verdict in BAD and report.summaries[name].state == "fail":
                 bad.setdefault(name, set()).add(result["case"])
     return bad
 
@@ -85,6 +85,8 @@ def mark(report: Report, claim: str) -> tuple[str, str]:
         return "no evidence", ""
     if summary.state == "fail":
         return "fail", f"{summary.bad:,} of {summary.evidence:,}"
+    if summary.state == "choice":
+        return "choice", f"{summary.passed:,} of {summary.evidence:,}"
     return summary.state, ""
 
 

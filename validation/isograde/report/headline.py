@@ -68,7 +68,7 @@ NOUNS = {
     2: ("triangles", "an edge"),
 }
 # What is said of an implementation of which a claim of choice holds on every case.
-CHOICES = {
+CHOSEN = {
     "cells.separate": "separates the inside corners of every ambiguous face, by choice",
     "cells.join": "joins the inside corners of every ambiguous face, by choice",
     "cells.mean": "decides every ambiguous face by the mean of its samples, by choice",
@@ -84,14 +84,14 @@ def headline(report: Report) -> str:
 
 def standing(report: Report) -> str:
     """The headline without the name."""
-    if report.partial:
-        return "part of the cases"
     said = (level, short, with_ties, scans, unjudged)
     return " - ".join(part for tell in said if (part := tell(report)))
 
 
 def level(report: Report) -> str:
     """The level reached, of how many, and the family where it is not the usual one."""
+    if report.partial:
+        return "part of the cases"
     family = family_of(report)
     of = f"of {report.top}{f' ({family})' if family else ''}"
     if report.reached is None:
@@ -224,8 +224,8 @@ def waste(report: Report) -> float:
 
 def by_level(report: Report) -> tuple[float, ...]:
     """A key that sorts by level, then short of the next, torn, wrong cells, waste; best first."""
-    height = -1 if report.reached is None else report.reached
     rung = report.next_rung
+    height = report.top if rung is None else rung.level - 1
     share = 0.0 if rung is None else report.short_of(rung.level).share
     return (-height, share, _torn_share(report), *_topology(report), waste(report))
 
@@ -251,7 +251,7 @@ def _topology(report: Report) -> tuple[float, float]:
 
 def choices(report: Report) -> list[str]:
     """How ambiguous faces are decided, where it is always in one way."""
-    said = [told for name, told in CHOICES.items() if _always(report.summaries.get(name))]
+    said = [told for name, told in CHOSEN.items() if _always(report.summaries.get(name))]
     if not said and _always(report.summaries.get(BILINEAR)):
         said = ["decides every ambiguous face as the bilinear interpolant does"]
     return said

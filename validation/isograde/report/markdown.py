@@ -6,7 +6,14 @@ from isograde.report import words
 from isograde.report.headline import choices, headline
 from isograde.report.reading import Report, Rung, Summary
 
-MARK = {"pass": "✅", "fail": "❌", "no evidence": "▫️", "unsupported": "➖", "not promised": "➖"}
+MARK = {
+    "pass": "✅",
+    "fail": "❌",
+    "no evidence": "▫️",
+    "unsupported": "➖",
+    "not promised": "➖",
+    "choice": "➖",
+}
 
 
 def markdown(report: Report) -> str:

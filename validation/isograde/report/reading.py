@@ -33,6 +33,8 @@ from isograde.report.lines import JSON, ReportError, lines
 # Claims about input that is no field: measured and shown, and of no effect on the exit status.
 CONVENTIONS = frozenset({"robustness.bad_input", "robustness.nan"})
 BODIES = "bodies"
+# Claims that a choice is always made one way: who does not promise one is free to choose.
+CHOICES = frozenset({"cells.separate", "cells.join", "cells.mean"})
 # Verdicts of a case that is evidence, had it been judged.
 UNJUDGED = (Verdict.UNSUPPORTED, Verdict.NOT_RUN)
 
@@ -115,9 +117,9 @@ class Summary:
 
     @property
     def state(self) -> str:
-        """One word: fail, pass, unsupported, or no evidence."""
+        """One word: fail, choice, pass, unsupported, or no evidence."""
         if self.bad:
-            return "fail"
+            return "choice" if self.id in CHOICES and not self.promised else "fail"
         if self.passed:
             return "pass"
         return "unsupported" if self.counts[Verdict.UNSUPPORTED] else "no evidence"
@@ -308,7 +310,9 @@ class Report:
 
     @property
     def next_rung(self) -> Rung | None:
-        """The rung above the level reached; None at the top."""
+        """The rung above the level reached, or in a run of a part the first that fails; or None."""
+        if self.partial:
+            return next((rung for rung in self.rungs if rung.state == "fail"), None)
         height = 0 if self.reached is None else self.reached + 1
         return self.rungs[height] if height < len(self.rungs) else None
 

@@ -85,6 +85,8 @@ def counts(found: Mapping[str, int]) -> str:
 
 def evidence(summary: Summary) -> str:
     """On how many cases a claim holds, of those on which it could fail."""
+    if summary.state == "choice":
+        return f"a choice, made on {summary.passed:,} of {summary.evidence:,} cases"
     if not summary.promised and summary.evidence:
         return not_promised(summary)
     if not summary.evidence:
