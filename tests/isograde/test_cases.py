@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from isograde.cases import FAMILIES, all_cases, analytic, cells, noise, pairs, ties, volumes
 from isograde.cases.frozen import digest, integers
-from isograde.model import Case
+from isograde.model import Case, Kind
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
@@ -63,7 +63,7 @@ def test_cells_show_each_configuration_in_both_borders() -> None:
     """Bit c is corner (c & 1, c >> 1 & 1, c >> 2 & 1); counted with a triple loop."""
     for border, configuration in itertools.product((False, True), (0, 1, 77, 105, 254)):
         case = cells.cases(0)[256 * border + configuration]
-        inside = _values(case) >= case.isovalue
+        inside = _values(case) >= case.isovalues[0]
         for i, j, k in itertools.product((0, 1), repeat=3):
             corner = i + 2 * j + 4 * k
             assert inside[1 + i, 1 + j, 1 + k] == bool(configuration & 1 << corner)
@@ -75,7 +75,7 @@ def test_cells_show_each_configuration_in_both_borders() -> None:
 def test_cells_stand_clear_of_ties_of_samples_and_saddles() -> None:
     """Whoever fails a cell cannot plead a tie."""
     for case in cells.cases(0):
-        values = _values(case) - case.isovalue
+        values = _values(case) - case.isovalues[0]
         assert np.abs(values).min() >= 1 / 16
         for axis in range(3):
             face = np.moveaxis(values, axis, 0)
@@ -93,7 +93,7 @@ def test_pairs_are_all_the_patterns_of_twelve_signs() -> None:
     seen = set()
     for case in pairs.cases(0):
         if "full" not in case.tags:
-            inside = _values(case) >= case.isovalue
+            inside = _values(case) >= case.isovalues[0]
             assert inside.shape == (3, 2, 2)
             middle = inside[1]
             assert middle[0, 0] == middle[1, 1] != middle[0, 1] == middle[1, 0]
@@ -104,7 +104,7 @@ def test_pairs_are_all_the_patterns_of_twelve_signs() -> None:
 
 def test_ties_have_samples_or_saddles_at_the_isovalue() -> None:
     for case in ties.cases(0):
-        values = _values(case) - case.isovalue
+        values = _values(case) - case.isovalues[0]
         if "/saddle/" in case.id:
             assert set(np.unique(values)) <= {-1.0, 1.0}
         elif case.id not in {"ties/low/000", "ties/high/000"}:
@@ -115,7 +115,7 @@ def test_ties_have_samples_or_saddles_at_the_isovalue() -> None:
 def test_analytic_facts_hold_for_an_independent_extractor(case: Case) -> None:
     """scikit-image's mesh, measured by trimesh, is within the tolerance of every fact."""
     field = case.build()
-    vertices, faces, *_ = marching_cubes(field.values, case.isovalue, spacing=field.spacing)
+    vertices, faces, *_ = marching_cubes(field.values, case.isovalues[0], spacing=field.spacing)
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     facts = case.facts
     assert len(faces) > 100
@@ -163,7 +163,7 @@ def test_every_default_real_case_has_a_surface() -> None:
         pytest.skip("no real volume is here: install nibabel or set ISOGRADE_DATA")
     for case in listed:
         values = _values(case)
-        assert values.min() < case.isovalue <= values.max(), case.id
+        assert values.min() < case.isovalues[0] <= values.max(), case.id
 
 
 def test_absent_volumes_make_no_case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -312,3 +312,45 @@ def test_every_fact_about_an_analytic_case_is_stated_of_some() -> None:
     for fact in ("area", "volume", "euler", "components"):
         assert sum(fact in case.facts for case in listed) >= 3, fact
     assert sum("closed" in case.tags for case in listed) >= 3
+
+
+# Cases of every kind, whose numbers never change: those of before there was one catalogue.
+FROZEN = {"contours": "CONT", "curves": "CURV", "simplices": "SIMP", "accuracy": "ACCU"}
+
+
+@pytest.mark.parametrize("name", FROZEN)
+def test_the_numbers_of_every_kind_are_frozen(name: str) -> None:
+    """A checksum of the samples, spacings, origins and isovalues, rounded to 1e-6."""
+    hashed = hashlib.sha256()
+    listed = FAMILIES[name].cases(0)
+    assert len(listed) > 4
+    for case in listed:
+        if case.samples > 40_000:
+            continue
+        field = case.build()
+        assert Kind(field.dimension, field.components) == case.kind
+        assert len(case.isovalues) == case.kind.m
+        assert int(np.prod(field.shape)) == case.samples
+        numbers = [field.values, field.spacing, field.origin, case.isovalues]
+        for part in numbers:
+            hashed.update(np.rint(np.asarray(part, float) * 1e6).astype("<i8").tobytes())
+    assert hashed.hexdigest()[:12] == FROZEN[name]
+
+
+def test_every_kind_is_posed_in_every_way_on_a_few_small_cases() -> None:
+    """Each costs up to sixty calls."""
+    posed: dict[Kind, list[Case]] = {}
+    for case in all_cases(0).values():
+        if "posed" in case.tags and "full" not in case.tags:
+            posed.setdefault(case.kind, []).append(case)
+    assert {(2, 1), (3, 1), (3, 2), (4, 1), (4, 2), (5, 3)} <= set(posed)
+    for kind, listed in posed.items():
+        assert len(listed) >= 2, kind
+        assert kind == (3, 1) or sum(case.samples for case in listed) < 4000, kind
+
+
+def test_bodies_are_a_family_of_the_catalogue() -> None:
+    """Their kinds have few cases by default."""
+    for kind in {case.kind for case in FAMILIES["bodies"].cases(0)}:
+        listed = [case for case in FAMILIES["bodies"].cases(0) if case.kind == kind]
+        assert 4 <= sum("full" not in case.tags for case in listed) <= 9
