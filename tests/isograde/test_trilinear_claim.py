@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from isograde.claims import topology
 from isograde.claims import trilinear as family
-from isograde.declaration import Declaration
+from isograde.declaration import Declaration, declaration_from
 from isograde.model import Case, Claim, Finding, Outcome, Status, Trial, Verdict
 from isograde.oracles.trilinear import cells
 from isograde.oracles.trilinear_cases import case_names
@@ -18,6 +18,7 @@ from isoref.field import Array, Field, Floats
 from isoref.mesh import Mesh
 from isoref.rule import Rule
 
+from tests.isograde.families import CORRECT
 from tests.isograde.miniatures import Place, asymptotic, careful_fan, made
 
 CLAIM, SCAN = family.CLAIMS
@@ -156,3 +157,50 @@ def test_an_edge_that_two_cells_draw_on_the_face_they_share_is_not_the_cells_fau
     for extract, wanted in ((right, Verdict.PASS), (careless, Verdict.FAIL)):
         assert judged(extract, values).verdict is Verdict.PASS
         assert judged(extract, values, manifold).verdict is wanted
+
+
+def test_the_whole_is_measured_for_every_family() -> None:
+    """Pieces and handles are the level set's for who is right, and told for who is not."""
+    values = np.pad(noise(8), 1, constant_values=-3.0)
+    found = judged(right, values, SCAN)
+    assert found.verdict is Verdict.PASS
+    assert found.numbers["pieces"] == found.numbers["pieces_wanted"] > 1
+    assert found.numbers["handles"] == found.numbers["handles_wanted"] > 1
+    other = judged(by(lorensen_cline.RULE), values, SCAN)
+    assert other.verdict is Verdict.FAIL
+    assert other.numbers["handles_wanted"] == found.numbers["handles_wanted"]
+    assert all(SCAN.families(declaration_from(f.says, n)) for n, f in CORRECT.items())
+    assert not SCAN.held(Declaration(""))
+
+
+@pytest.mark.parametrize("name", ["cropped", "periodic", "capped", "capped_outside"])
+def test_cells_of_the_domain_are_judged_and_no_others(name: str) -> None:
+    """The domain's own cells: fewer where the outermost are left out, more where it is periodic."""
+    values = noise(7)
+    plain = judged(by(asymptotic_decider.RULE), values)
+    family_ = CORRECT[name]
+    declared = declaration_from(family_.says, name)
+    field = Field.of(values)
+    case = Case(name, lambda: field, (0.0,), field.values.size)
+    outcome = Outcome(Status.OK, *family_.function(values, 0.0, (1, 1, 1)))
+    finding = CLAIM.judge(Trial(case, field, declared, {"plain": outcome}))
+    cells_judged, faults = finding.numbers["cells"], finding.numbers.get("faults", [])
+    assert {fault for _, fault, _ in faults} <= {"missing tunnel"}
+    order = {"cropped": -1, "periodic": 1}.get(name, 0)
+    assert np.sign(cells_judged - plain.numbers["cells"]) == order
+
+
+def test_a_tie_of_the_whole_is_decided_by_the_side_of_ties() -> None:
+    """Two inside samples across a face whose saddle is on the isovalue: joined, as ties are."""
+    values = np.full((4, 4, 4), -1.0)
+    values[1, 1, 1] = values[1, 2, 2] = 1
+    mesh = trilinear_joined(values)
+    found = judged(lambda _: mesh, values, SCAN)
+    assert found.numbers["pieces_wanted"] == 1
+    assert found.numbers["isovalue"] != 0
+
+
+def trilinear_joined(values: Array) -> Mesh:
+    """The answer to a field in which the two samples are a little higher."""
+    field = Field.of(np.where(values > 0, 1.01, values), (1, 0.5, 2), (3, -1, 0))
+    return sweep(trilinear_cubes.RULE, field, 0.0)

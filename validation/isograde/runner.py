@@ -41,6 +41,8 @@ from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
 from isograde.declaration import Declaration
 from isograde.model import (
+    BAD,
+    JUDGE_FAULT,
     Adapter,
     Case,
     Claim,
@@ -63,9 +65,6 @@ POSED_SAMPLES = 40_000
 UNPOSED = frozenset({"pairs", "trilinear"})
 # Give up on an implementation that ran out of time so many times in a row.
 PATIENCE = 8
-JUDGE_FAULT = "the grader's judge failed"
-# Verdicts that say something went wrong; the rest say that nothing was seen, or all was well.
-BAD = (Verdict.FAIL, Verdict.ERROR, Verdict.CRASH, Verdict.TIMEOUT)
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,8 @@ from isograde.oracles.standing import has_inside, least_faces, mixed, near_activ
 
 # Vertices of a soup that were interpolated from either end of an edge are this near, in cells.
 NEARLY = 1e-5
+# Pairs of more simplices than this take minutes to compare.
+MANY = 30_000
 
 
 def whole_of(trial: Trial) -> Lattice:
@@ -232,6 +234,8 @@ def embedded(trial: Trial) -> Finding:
     lattice = lattice_of(trial)
     if any(end.end == "closed" for end in lattice.ends) and (lattice.last <= lattice.first).any():
         return skipped("between closed ends that fall together the two sides of a body touch")
+    if len(parts) > MANY:
+        return skipped(f"crossings are looked for among up to {MANY:,} simplices")
     pairs = (
         self_intersections(found.points, parts)
         if found.k == 2

@@ -30,27 +30,18 @@ def in_a_star(lattice: Lattice, places: Floats, parts: Integers) -> Booleans:
     places : (V, n) vertices in index coordinates
     parts : (S, k + 1)
     """
-    corners = places[parts]
-    low, high = corners.min(axis=1) - lattice.tolerance, corners.max(axis=1) + lattice.tolerance
+    corners, slack = places[parts], 2 * lattice.tolerance
+    low, high = corners.min(axis=1) + slack, corners.max(axis=1) - slack
     found = np.zeros(len(parts), bool)
     for axis in range(lattice.n):
-        across = [a for a in range(lattice.n) if a != axis]
+        before = np.array([float(a != axis) for a in range(lattice.n)])
         start, end = pair(lattice.n, axis)
         crossed = lattice.inside[start] != lattice.inside[end]
-        # The edge begins at the sample below the part and has its line within reach across.
+        # The star of the edge at j runs from j - before to j + 1: one of three j along each axis.
         base = np.ceil(high - 1).astype(np.int64)
-        base[:, axis] = np.floor(low[:, axis] + 2 * lattice.tolerance)
-        for offset in product(range(3), repeat=lattice.n - 1):
-            edge = base.copy()
-            edge[:, across] += offset
-            fits = (edge[:, axis] <= low[:, axis] + 2 * lattice.tolerance) & (
-                edge[:, axis] + 1 >= high[:, axis] - 2 * lattice.tolerance
-            )
-            for a in across:
-                slack = 2 * lattice.tolerance
-                fits &= (edge[:, a] - 1 <= low[:, a] + slack) & (
-                    edge[:, a] + 1 >= high[:, a] - slack
-                )
+        for offset in product(range(3), repeat=lattice.n):
+            edge = base + offset
+            fits = ((edge - before <= low) & (edge + 1 >= high)).all(axis=1)
             fits &= ((edge >= 0) & (edge < crossed.shape)).all(axis=1)
             rows = np.flatnonzero(fits & ~found)
             found[rows] = crossed[tuple(edge[rows].T)]

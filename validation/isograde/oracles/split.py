@@ -123,10 +123,15 @@ def locate(lattice: Lattice, places: Floats, corner: Integers) -> Located:
 
 def _weights(simplices: Integers, places: Floats) -> Floats:
     """(r, s, n + 1) barycentric coordinates of places in every simplex."""
-    s, count, _ = simplices.shape
-    matrix = np.concatenate([simplices, np.ones((s, count, 1))], axis=2).transpose(0, 2, 1)
     with_one = np.concatenate([places, np.ones((len(places), 1))], axis=1)
-    return np.asarray(np.einsum("sij,rj->rsi", np.linalg.inv(matrix), with_one))
+    return np.asarray(np.einsum("sij,rj->rsi", _to_weights(simplices), with_one))
+
+
+def _to_weights(simplices: Integers) -> Floats:
+    """(s, n + 1, n + 1) what turns a place, with a one behind it, into barycentric coordinates."""
+    ones = np.ones((*simplices.shape[:2], 1))
+    matrix = np.concatenate([simplices, ones], axis=2).transpose(0, 2, 1)
+    return np.asarray(np.linalg.inv(matrix))
 
 
 def corners_of(lattice: Lattice, found: Located) -> Integers:
@@ -159,7 +164,7 @@ def sections(lattice: Lattice, places: Floats, mesh: Integers, corner: Integers)
     tied = lattice.tied[tuple(np.moveaxis(corners, -1, 0))]
 
     # Say on which face of its simplex each vertex of a part is; leave out parts that stick out.
-    masks, sticking = _masks(lattice, places[mesh[part]], corners[row])
+    masks, sticking = _masks(lattice, places[mesh[part]], simplices, names[row])
     kept = ~sticking
     right = _bounded(mesh[part][kept], row[kept], masks[kept], inside)
     whole = (1 << (lattice.n + 1)) - 1
@@ -204,13 +209,23 @@ def _listed(rows: Integers) -> tuple[Integers, Integers]:
     return names, where.reshape(-1)
 
 
-def _masks(lattice: Lattice, places: Floats, corners: Integers) -> tuple[Integers, Booleans]:
-    """(r, n) the support of each vertex of each part, and (r,) which parts stick out."""
+def _masks(
+    lattice: Lattice, places: Floats, simplices: Integers, name: Integers
+) -> tuple[Integers, Booleans]:
+    """(r, n) the support of each vertex of each part, and (r,) which parts stick out.
+
+    Parameters
+    ----------
+    places : (r, n, n) the vertices of each part
+    name : (r, n + 1) block and number of the simplex that holds it
+    """
     n = lattice.n
-    matrix = np.concatenate([corners, np.ones((len(corners), n + 1, 1))], axis=2)
-    inverse = np.linalg.inv(matrix.transpose(0, 2, 1))
-    with_one = np.concatenate([places, np.ones((*places.shape[:2], 1))], axis=2)
-    weights = np.einsum("rij,rvj->rvi", inverse, with_one)
+    local = places - name[:, None, :-1]
+    with_one = np.concatenate([local, np.ones((*local.shape[:2], 1))], axis=2)
+    weights = np.empty((len(places), n, n + 1))
+    for number, matrix in enumerate(_to_weights(simplices)):
+        here = name[:, -1] == number
+        weights[here] = with_one[here] @ matrix.T
     slack = n * lattice.tolerance
     masks: Integers = (weights > slack) @ (1 << np.arange(n + 1))
     return masks, np.asarray((weights < -slack).any(axis=(1, 2)))
