@@ -1,5 +1,7 @@
 """Segments joined into curves, beside a count of components and degrees by hand."""
 
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -35,14 +37,14 @@ def test_every_segment_is_in_one_curve_and_curves_are_as_many_as_ends_say(seed: 
     cuts = np.sort(rng.choice(np.arange(1, 20), 4, replace=False))
     rows = []
     for part in np.split(order, cuts):
-        rows += [*zip(part[:-1], part[1:], strict=True)]
+        rows += [*pairwise(part)]
         if len(part) > 2 and rng.random() < 0.5:
             rows.append((part[-1], part[0]))
     segments = rng.permutation(np.array(rows, np.int64).reshape(-1, 2))
     flipped = rng.random(len(segments)) < 0.5
     segments[flipped] = segments[flipped, ::-1]
     found = curves_of(segments)
-    joined = [tuple(sorted(p)) for c in found for p in zip(c[:-1], c[1:], strict=True)]
+    joined = [tuple(sorted(p)) for c in found for p in pairwise(c)]
     assert sorted(joined) == sorted(tuple(sorted(row)) for row in segments.tolist())
     used, name = np.unique(segments, return_inverse=True)
     pieces, _ = components_of(len(used), name.reshape(segments.shape).T)

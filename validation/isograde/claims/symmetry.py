@@ -16,6 +16,7 @@ symmetry and spacing
     vertices in cells         the same vertices, and the same edges between cells that share a face
     a split                   the same vertices on its edges, the same number of pieces and Euler
                               characteristic, under the split's own symmetries
+    contours                  the same of the squares of the plane
     other dimensions          the same points in which the mesh meets the lattice's faces of
                               dimension m, the same number of pieces and Euler characteristic
     a lattice of its own      is judged on known bodies only
@@ -51,6 +52,7 @@ from isograde.claims.evidence import (
 )
 from isograde.declaration import Declaration, Split
 from isograde.model import (
+    CONTOURS,
     SURFACES,
     Claim,
     Finding,
@@ -68,6 +70,7 @@ from isograde.oracles.bilinear import saddles
 from isograde.oracles.complexes import Complex
 from isograde.oracles.degree import crossings
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.squares import squares
 from isograde.oracles.traces import Traces, alike, traces
 
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when
@@ -242,6 +245,8 @@ def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
         return _same_crossings_of_split(trial, other)
     if trial.kind == SURFACES:
         return _same_traces(trial, other)
+    if trial.kind == CONTOURS:
+        return _same_squares(trial, other)
     return _same_meetings(trial, other)
 
 
@@ -265,6 +270,24 @@ def _same_traces(trial: Trial, other: Complex) -> str:
     mine = complex_of(trial)
     on_edges = [_on_edges(lattice, mesh) for mesh in (mine, other)]
     return _moved(lattice, *on_edges)
+
+
+def _same_squares(trial: Trial, other: Complex) -> str:
+    """How vertices on lattice edges, or what is joined in the squares of a plane, differs."""
+    lattice, mine = lattice_of(trial), complex_of(trial)
+    ours, theirs = (squares(lattice, one.points, one.simplices) for one in (mine, other))
+    numbers = [one.place @ (lattice.shape[1], 1) for one in (ours, theirs)]
+    _, row, other_row = np.intersect1d(*numbers, assume_unique=True, return_indices=True)
+    # A square whose saddle is on the contour, to within rounding, may be joined either way.
+    a, b, c, d = (ours.values[row].astype(np.float64) - trial.isovalues[0]).T
+    clear = np.abs(a * d - b * c) > ROUNDED * (np.abs(a * d) + np.abs(b * c))
+    judged = ~ours.tied[row] & (clear | ~ours.ambiguous[row])
+    differ = (ours.code[row] != theirs.code[other_row]) | (ours.odd[row] != theirs.odd[other_row])
+    changed = row[judged & differ]
+    if len(changed):
+        first = ours.place[changed[0]].tolist()
+        return f"{len(changed)} squares are joined otherwise, the first is that at {first}"
+    return _moved(lattice, *(_on_edges(lattice, mesh) for mesh in (mine, other)))
 
 
 def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
