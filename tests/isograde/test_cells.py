@@ -138,9 +138,11 @@ def test_contours_are_legal_in_every_square(mode: str) -> None:
     """All modes are; with a segment less, or moved, they are not."""
     right = contours(noise(3, (9, 8)), mode)
     assert judged("cells.legal", right).verdict is Verdict.PASS
+    assert judged("cells.count", right).verdict is Verdict.PASS
     for change in (less, long, doubled):
         wrong = of(right.field, *change(right.mesh.vertices, right.mesh.simplices), PLAIN)
         assert judged("cells.legal", wrong).verdict is Verdict.FAIL
+        assert judged("cells.count", wrong).verdict is Verdict.FAIL
 
 
 def test_an_empty_answer_is_wrong_where_cells_are_crossed_and_no_evidence_elsewhere() -> None:
