@@ -236,3 +236,16 @@ def test_contours_follow_the_bilinear_interpolant_or_not() -> None:
         found = judged("topology.bilinear", contours(samples, wrong))
         assert found.verdict is Verdict.FAIL
         assert (found.numbers["cells"], found.numbers["wrong"]) == (1, 1)
+
+
+def test_a_split_keeps_its_phase_where_the_outermost_cells_are_left_out() -> None:
+    """The alternating five, cut off one cell inside: the domain begins in the middle of a block."""
+    family = CORRECT["tetrahedra_of_five"]
+    values = noise(7, (7, 8, 7))
+    vertices, faces = family.function(values, 0.0, (1, 1, 1))
+    inner = ((vertices >= 1) & (vertices <= np.subtract(values.shape, 2))).all(axis=1)
+    says = {**family.says, "domain": {"inset": 1, "end": "open"}}
+    declared = declaration_from(says, "inner five")
+    one = of(Field.of(values), vertices, faces[inner[faces].all(axis=1)], declared)
+    for name in ("geometry.vertices", "geometry.crossing", "cells.legal", "cells.count"):
+        assert judged(name, one).verdict is Verdict.PASS, name
