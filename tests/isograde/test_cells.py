@@ -138,9 +138,11 @@ def test_contours_are_legal_in_every_square(mode: str) -> None:
     """All modes are; with a segment less, or moved, they are not."""
     right = contours(noise(3, (9, 8)), mode)
     assert judged("cells.legal", right).verdict is Verdict.PASS
+    assert judged("cells.count", right).verdict is Verdict.PASS
     for change in (less, long, doubled):
         wrong = of(right.field, *change(right.mesh.vertices, right.mesh.simplices), PLAIN)
         assert judged("cells.legal", wrong).verdict is Verdict.FAIL
+        assert judged("cells.count", wrong).verdict is Verdict.FAIL
 
 
 def test_an_empty_answer_is_wrong_where_cells_are_crossed_and_no_evidence_elsewhere() -> None:
@@ -234,3 +236,16 @@ def test_contours_follow_the_bilinear_interpolant_or_not() -> None:
         found = judged("topology.bilinear", contours(samples, wrong))
         assert found.verdict is Verdict.FAIL
         assert (found.numbers["cells"], found.numbers["wrong"]) == (1, 1)
+
+
+def test_a_split_keeps_its_phase_where_the_outermost_cells_are_left_out() -> None:
+    """The alternating five, cut off one cell inside: the domain begins in the middle of a block."""
+    family = CORRECT["tetrahedra_of_five"]
+    values = noise(7, (7, 8, 7))
+    vertices, faces = family.function(values, 0.0, (1, 1, 1))
+    inner = ((vertices >= 1) & (vertices <= np.subtract(values.shape, 2))).all(axis=1)
+    says = {**family.says, "domain": {"inset": 1, "end": "open"}}
+    declared = declaration_from(says, "inner five")
+    one = of(Field.of(values), vertices, faces[inner[faces].all(axis=1)], declared)
+    for name in ("geometry.vertices", "geometry.crossing", "cells.legal", "cells.count"):
+        assert judged(name, one).verdict is Verdict.PASS, name

@@ -59,7 +59,9 @@ def test_a_vertex_inside_a_square_is_part_of_its_curve() -> None:
     field = Field.of(np.array([[1.0, -1], [-1, -1]]))
     places = np.array([[0.5, 0], [0, 0.5], [0.3, 0.3], [0.6, 0.6]])
     lattice = Lattice.of(field, (0.0,))
-    assert squares(lattice, places, np.array([[0, 2], [2, 1]])).separated.tolist() == [True]
+    right = squares(lattice, places, np.array([[0, 2], [2, 1]]))
+    assert right.separated.tolist() == [True]
+    assert right.segments.tolist() == right.wanted.tolist() == [2]
     for wrong in ([[0, 2], [2, 1], [2, 3]], [[0, 2], [3, 1]], [[0, 1], [1, 0]], [[0, 2]]):
         assert squares(lattice, places, np.array(wrong)).separated.tolist() == [False]
 

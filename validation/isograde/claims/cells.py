@@ -277,9 +277,34 @@ def count(trial: Trial) -> Finding:
             return skipped(NOBODY)
         wrong = found.parts != found.wanted
         return _by_section(domain_of(trial), found, judged, wrong, "has another number of parts")
-    if trial.kind != SURFACES:
-        return skipped("cells of the multilinear interpolant are counted in space only")
-    return _triangles(trial)
+    if trial.kind == SURFACES:
+        return _triangles(trial)
+    if trial.kind == CONTOURS:
+        return _segments(trial)
+    return skipped("cells of the multilinear interpolant are judged in two and three dimensions")
+
+
+def _segments(trial: Trial) -> Finding:
+    """Pass when every square has a segment for two crossed edges, and one for an inner vertex."""
+    found = squares_of(trial)
+    judged = ~found.tied
+    if not judged.any():
+        return skipped(NOBODY)
+    bad = np.flatnonzero(judged & (found.segments != found.wanted))
+    if not len(bad):
+        return passed(cells=int(judged.sum()), segments=int(found.segments[judged].sum()))
+    first = int(bad[0])
+    at = domain_of(trial).of_field(found.place[first])
+    made, wanted = int(found.segments[first]), int(found.wanted[first])
+    return failed(
+        f"{len(bad)} squares; the one at {at} has {made} segments where it takes {wanted}",
+        cells=int(judged.sum()),
+        wrong=len(bad),
+        cell=at,
+        signs=int(found.signs[first]),
+        found=made,
+        wanted=wanted,
+    )
 
 
 def _triangles(trial: Trial) -> Finding:
@@ -456,8 +481,9 @@ CLAIMS = (
     Claim(
         id="cells.count",
         rule="A cell whose polygons have n nodes each has the sum of n - 2 triangles, two more for "
-        "each inner vertex, and four more for a tunnel; a simplex with p of its n + 1 corners "
-        "inside has (n-1 choose p-1) parts.",
+        "each inner vertex, and four more for a tunnel; a square has a segment for two crossed "
+        "edges, and one for each inner vertex; a simplex with p of its n + 1 corners inside has "
+        "(n-1 choose p-1) parts.",
         source="Euler's formula; Schlei 2010, Tables II to IV; De Loera, Rambau & Santos 2010, "
         "section 6.2 (products of simplices)",
         level=2,

@@ -45,6 +45,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.standing import active
 
 # Places are looked up so many at a time.
 PORTION = 20_000
@@ -189,12 +190,10 @@ def _in_lattice(lattice: Lattice, corners: Integers) -> Booleans:
 def _active(lattice: Lattice, corner: Integers, simplices: Integers) -> Integers:
     """(a, n + 1) lowest sample of the block, and number, of the simplices with both sides."""
     period = np.array(lattice.declared.split.period(lattice.n))
-    # The first block may begin before the lattice.
-    first = -(corner % period)
-    count = np.ceil((np.subtract(lattice.shape, 1) - first) / period).astype(np.int64)
+    # A simplex with both sides is in a block with an active cell.
+    cells = np.argwhere(active(lattice)) + corner
+    blocks = np.unique(cells // period, axis=0) * period - corner
     found = []
-    blocks = np.moveaxis(np.indices(np.maximum(count, 0)), 0, -1).reshape(-1, lattice.n)
-    blocks = blocks * period + first
     for number, simplex in enumerate(simplices):
         at = blocks[_in_lattice(lattice, blocks[:, None, :] + simplex)]
         sides = np.stack([lattice.inside[tuple((at + c).T)] for c in simplex])

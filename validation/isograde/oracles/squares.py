@@ -77,6 +77,7 @@ class Squares:
     tied : (s,) a corner is a tied sample
     code : (s,) bits of the pairs of nodes that are joined
     odd : (s,) there is more than curves from node to node
+    segments, inner : (s,) number of segments in it, and of vertices strictly inside
     spanning : segments that no single square contains
     values : (s, 4) samples at (0, 0), (1, 0), (0, 1), (1, 1)
     """
@@ -86,6 +87,8 @@ class Squares:
     tied: Booleans
     code: Integers
     odd: Booleans
+    segments: Integers
+    inner: Integers
     spanning: Integers
     values: Array
 
@@ -94,6 +97,12 @@ class Squares:
         """(s,) squares with two legal resolutions."""
         pairs = legal()[self.signs]
         return np.asarray(pairs[:, 0] != pairs[:, 1])
+
+    @cached_property
+    def wanted(self) -> Integers:
+        """(s,) number of segments: one for two crossed edges, and one for each inner vertex."""
+        ends = np.array([bin(code).count("1") for code in legal()[:, 0].tolist()])
+        return np.asarray(ends[self.signs] + self.inner)
 
     @cached_property
     def separated(self) -> Booleans:
@@ -128,7 +137,7 @@ def squares(lattice: Lattice, places: Floats, segments: Integers) -> Squares:
     active = np.argwhere((signs > 0) & (signs < 15))
     listed, where = np.unique(np.concatenate([active, corner[proper]]), axis=0, return_inverse=True)
     row = where.reshape(-1)[len(active) :]
-    code, odd = _curves(lattice, places, segments[proper], row, listed)
+    code, odd, inner = _curves(lattice, places, segments[proper], row, listed)
     x, y = listed.T
     tied = lattice.tied
     values = components(lattice.field)[0]
@@ -138,6 +147,8 @@ def squares(lattice: Lattice, places: Floats, segments: Integers) -> Squares:
         tied[x, y] | tied[x + 1, y] | tied[x, y + 1] | tied[x + 1, y + 1],
         code,
         odd,
+        np.bincount(row, minlength=len(listed)),
+        inner,
         np.flatnonzero(here & ~proper),
         np.stack([values[x, y], values[x + 1, y], values[x, y + 1], values[x + 1, y + 1]], axis=1),
     )
@@ -154,11 +165,11 @@ def _signs(lattice: Lattice, shape: Integers) -> Integers:
 
 def _curves(
     lattice: Lattice, places: Floats, segments: Integers, row: Integers, listed: Integers
-) -> tuple[Integers, Booleans]:
-    """(s,) the bits of each square, and where there is more than curves from node to node."""
+) -> tuple[Integers, Booleans, Integers]:
+    """(s,) the bits of each square, where there is more than curves, and the inner vertices."""
     code, odd = np.zeros(len(listed), np.int64), np.zeros(len(listed), bool)
     if not len(segments):
-        return code, odd
+        return code, odd, np.zeros(len(listed), np.int64)
     # Give each square its own copy of each vertex, and say on which node it stands.
     keys, local = np.unique(row[:, None] * len(places) + segments, return_inverse=True)
     local = local.reshape(-1, 2)
@@ -178,7 +189,7 @@ def _curves(
     doubled = np.bincount(owner[at[:, 0]] * 64 + bit, minlength=len(listed) * 64) > 1
     odd[np.flatnonzero(doubled) // 64] = True
     np.bitwise_or.at(code, owner[at[:, 0]], bit)
-    return code, odd
+    return code, odd, np.bincount(owner[node == INSIDE], minlength=len(listed))
 
 
 # A place that is neither on an edge nor strictly inside; a place strictly inside.
