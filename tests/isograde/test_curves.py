@@ -26,12 +26,12 @@ Extract = Callable[[Any, Any, Any], Any]
 
 def reference(values: Any, isovalues: Any, spacing: Any) -> list[Points]:
     """The curves from face to face, as polylines."""
-    return list(isoref.marching_faces(values[0], values[1], *isovalues, spacing))
+    return list(isoref.marching_faces(*values, isovalues[0], isovalues[1], spacing))
 
 
 def other(values: Any, isovalues: Any, spacing: Any) -> list[Points]:
     """The curves in which triangles of the two surfaces meet."""
-    return list(isoref.surface_intersection(values[0], values[1], *isovalues, spacing))
+    return list(isoref.surface_intersection(*values, isovalues[0], isovalues[1], spacing))
 
 
 def found(function: Extract, names: list[str], only: str = "curves.") -> dict[str, set[Verdict]]:

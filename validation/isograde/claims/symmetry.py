@@ -276,8 +276,12 @@ def _same_squares(trial: Trial, other: Complex) -> str:
     """How vertices on lattice edges, or what is joined in the squares of a plane, differs."""
     lattice, mine = lattice_of(trial), complex_of(trial)
     ours, theirs = (squares(lattice, one.points, one.simplices) for one in (mine, other))
-    numbers = [one.place @ (lattice.shape[1], 1) for one in (ours, theirs)]
-    _, row, other_row = np.intersect1d(*numbers, assume_unique=True, return_indices=True)
+    number, other_number = (
+        np.ravel_multi_index(tuple(one.place.T), lattice.shape) for one in (ours, theirs)
+    )
+    _, row, other_row = np.intersect1d(
+        number, other_number, assume_unique=True, return_indices=True
+    )
     # A square whose saddle is on the contour, to within rounding, may be joined either way.
     a, b, c, d = (ours.values[row].astype(np.float64) - trial.isovalues[0]).T
     clear = np.abs(a * d - b * c) > ROUNDED * (np.abs(a * d) + np.abs(b * c))
