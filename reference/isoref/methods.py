@@ -66,7 +66,7 @@ METHODS |= {name: partial(tetrahedra.surface, split) for name, split in SPLITS.i
 
 def _simplicial(field: Field, isovalue: float) -> Mesh:
     """Min's surface of a volume, empty where the lattice has no cells."""
-    from isoref import simplicial  # Here, since SciPy takes a second to import.
+    from isoref.fast import simplicial  # Here, since SciPy takes a second to import.
 
     check_volume(field)
     if min(field.shape) < 2:
