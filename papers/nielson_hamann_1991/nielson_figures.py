@@ -322,7 +322,7 @@ def face(corners: Sequence[float], title: str) -> tuple[str, Drawer]:
         axes.plot([0, 1, 1, 0, 0], [0, 0, 1, 1, 0], color=LINE, lw=1.2)
         for (x, y), v in zip(((0, 0), (1, 0), (1, 1), (0, 1)), corners, strict=True):
             axes.plot([x], [y], "o", mfc=LINE if v >= 0 else "white", mec=LINE, ms=6)
-        if a > 0 > b and c > 0 > d:
+        if a * b < 0 and c * d < 0 and a * d < 0:
             label_crossings(axes, [float(v) for v in corners])
         axes.set_xlim(-0.45, 1.45)
         axes.set_ylim(-0.45, 1.45)
@@ -415,7 +415,7 @@ def figure_7() -> Figure:
         face((0.8, -1.3, 0.7, -1.0), "a: (S1, 1) to (1, T1),\n(S0, 0) to (0, T0)"),
         face((-0.8, 1.3, -0.7, 1.0), "b: the other two corners\nare inside"),
     ]
-    return sheet(panels, 2, 3.2, 1.05)
+    return sheet(panels, 2, 3.2, 1.2)
 
 
 def figure_17(field: Field, isovalue: float) -> Figure:
@@ -424,9 +424,9 @@ def figure_17(field: Field, isovalue: float) -> Figure:
     corners = mesh.vertices[mesh.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    # Seen along the third axis from its low end, the first axis upwards: back to front.
+    # Seen along the second axis from its low end, the first axis downwards: back to front.
     order = np.argsort(-corners[:, :, 1].mean(axis=1))
-    flat, lit = corners[order][:, :, [2, 0]], normals[order] @ np.array([0.3, -0.85, 0.4])
+    flat, lit = corners[order][:, :, [2, 0]] * [1, -1], normals[order] @ np.array([0.3, -0.85, 0.4])
     figure, axes = plt.subplots(figsize=(4.4, 4.4))
     axes.axis("off")
     axes.set_aspect("equal")
