@@ -163,7 +163,8 @@ def triangles_text() -> list[Table | str]:
         "Triangles and seconds of the drawings of 1987 and of the asymptotic decider on the same "
         f"volume, and of the decider with Choi's criterion on the smaller ones (diagonals, "
         "`isoref.diagonals`: as many triangles; mean angle between neighbours with the table's "
-        f"diagonals, then with his). Best of three runs in turn, load {os.getloadavg()[0]:.1f} on "
+        f"diagonals, then with his: the criterion looks at one edge, not at its neighbours). Least "
+        f"CPU seconds of three runs in turn, load {os.getloadavg()[0]:.1f} on "
         f"{os.cpu_count()} processors.",
         "",
         "| volume | triangles, 1987 | decider | more | time, decider / 1987 | mean angle, table "
@@ -192,15 +193,15 @@ def triangles_text() -> list[Table | str]:
 
 
 def timed(field: Field, isovalue: float) -> tuple[list[Mesh], list[float]]:
-    """The meshes of 1987 and of the decider, and the best of three times of each, in turn."""
+    """The meshes of 1987 and of the decider, and the least CPU seconds of three runs in turn."""
     meshes: list[Mesh] = []
     seconds = [float("inf")] * 2
     for _ in range(3):
         meshes = []
         for i, rule in enumerate((lorensen_cline.RULE, asymptotic_decider.RULE)):
-            start = time.perf_counter()
+            start = time.process_time()
             meshes.append(sweep(rule, field, isovalue))
-            seconds[i] = min(seconds[i], time.perf_counter() - start)
+            seconds[i] = min(seconds[i], time.process_time() - start)
     return meshes, seconds
 
 
