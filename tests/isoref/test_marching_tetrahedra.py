@@ -236,7 +236,7 @@ def test_five_is_what_vtk_draws_of_a_volume_cut_into_tetrahedra() -> None:
     points = np.asarray(vtk_to_numpy(theirs.GetPoints().GetData()), float)[:, ::-1]
     assert len(points) == len(mesh.vertices)
     nearest, place = cKDTree(points).query(mesh.vertices)
-    assert nearest.max() < 1e-5
+    assert np.max(nearest) < 1e-5
     assert len(np.unique(place)) == len(points)
 
 
