@@ -37,6 +37,7 @@ CHAPTERS = {
         "kuhn",
         "simplex_section",
         "simplicial",
+        "recursive_sections",
         "face_tracing",
         "hypercubes",
         "dyadic",

@@ -10,8 +10,8 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
    `marching_tetrahedra`.
 5. Where two isosurfaces meet: `curves`, `marching_faces`, `surface_intersection`, `plane_waves`.
-6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`, `face_tracing`,
-   `hypercubes`, `dyadic`, `projection`.
+6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`,
+   `recursive_sections`, `face_tracing`, `hypercubes`, `dyadic`, `projection`.
 """
 
 from isoref.field import Field, FieldError
