@@ -1,11 +1,8 @@
-(** * A finite relation in which each has one next and one before, linked and closed, is a circle *)
+(** * A finite relation in which each has one next and one before, linked and goes_on, is a circle *)
 
 From Coq Require Import List Relations Lia.
+From Proofs Require Import Lattice.
 Import ListNotations.
-
-(** The steps of a circle: from each to the next, and from the last to the first. *)
-Definition turns {A} (l : list A) : list (A * A) :=
-  match l with [] => [] | a :: m => combine l (m ++ [a]) end.
 
 Section Circle.
 
@@ -14,7 +11,7 @@ Hypothesis dec : forall a b : A, {a = b} + {a <> b}.
 Hypothesis finite : forall a b, R a b -> In a V.
 Hypothesis next_one : forall a b b', R a b -> R a b' -> b = b'.
 Hypothesis before_one : forall a a' b, R a b -> R a' b -> a = a'.
-Hypothesis closed : forall a b, R a b -> exists c, R b c.
+Hypothesis goes_on : forall a b, R a b -> exists c, R b c.
 Hypothesis linked : forall a b a' b', R a b -> R a' b' -> clos_refl_sym_trans A R a a'.
 Hypothesis start : R a0 b0.
 
@@ -39,7 +36,7 @@ Proof. induction l as [|c l IH]; intros a b m; [reflexivity|]. apply IH. Qed.
 Lemma end_goes_on l : forall a b, walk a l -> R a b -> exists c, R (end_of a l) c.
 Proof.
   induction l as [|e l IH]; intros a b W H; [exists b; exact H|].
-  destruct W as [W W']. destruct (closed _ _ W) as [c Hc]. apply (IH e c W' Hc).
+  destruct W as [W W']. destruct (goes_on _ _ W) as [c Hc]. apply (IH e c W' Hc).
 Qed.
 
 (** A walk without repetition goes on until it is back at its start. *)
@@ -50,7 +47,7 @@ Proof.
   - exfalso. assert (length (a0 :: l) <= length V); [|lia].
     apply NoDup_incl_length; [exact N|]. intros x [<-|X]; [eauto|].
     apply in_split in X. destruct X as (l1 & l2 & ->).
-    apply walk_split in W. destruct W as [W _]. apply closed in W. destruct W as [c W]. eauto.
+    apply walk_split in W. destruct W as [W _]. apply goes_on in W. destruct W as [c W]. eauto.
   - destruct (end_goes_on l a0 b0 W start) as [b E].
     destruct (in_dec dec b (a0 :: l)) as [[X|X]|X].
     + subst b. exists l. auto.

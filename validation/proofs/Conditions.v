@@ -20,12 +20,6 @@ Definition possible (choices : N) (k : conf) : Prop :=
   (forall a, decided (high_face a k) = true -> amb (high_face a k) = true) /\
   (inner k < choices)%N.
 
-(** The neighbours of a node, and walking from one to another round it. *)
-Definition around (ts : list triangle) (v w : node) : Prop :=
-  exists x, corner ts v w x \/ corner ts v x w.
-Definition linked (ts : list triangle) (v : node) : node -> node -> Prop :=
-  clos_refl_sym_trans node (corner ts v).
-
 Record conditions (choices : N) (T : tiles) (I : interface) : Prop := {
 
   (** Condition 1: triangles have three different nodes of the cell; no directed edge twice. *)

@@ -2,7 +2,7 @@
 
     Nothing is proved in this file: it holds what a reader must agree with. *)
 
-From Coq Require Import ZArith NArith List Bool.
+From Coq Require Import ZArith NArith List Bool Relations.
 Import ListNotations.
 Open Scope Z_scope.
 
@@ -43,6 +43,16 @@ Definition directed (ts : list triangle) : list edge := flat_map sides ts.
 (** A triangle at [v] leads from one of its other nodes to the next. *)
 Definition corner (ts : list triangle) (v w x : node) : Prop :=
   In (v, w, x) ts \/ In (x, v, w) ts \/ In (w, x, v) ts.
+
+(** The neighbours of a node, and walking from one to another round it. *)
+Definition around (ts : list triangle) (v w : node) : Prop :=
+  exists x, corner ts v w x \/ corner ts v x w.
+Definition linked (ts : list triangle) (v : node) : node -> node -> Prop :=
+  clos_refl_sym_trans node (corner ts v).
+
+(** The steps of a circle: from each to the next, and from the last to the first. *)
+Definition turns {A} (l : list A) : list (A * A) :=
+  match l with [] => [] | a :: m => combine l (m ++ [a]) end.
 
 (** The node of a lattice edge of the cell 0: its middle. *)
 Definition even2 (z : Z) : Prop := z = 0 \/ z = 2.
@@ -169,3 +179,44 @@ Definition inside_on_the_right (k : conf) (a : axis) (side : Z) (e : edge) : Pro
   let p := at_ (fst e) in
   let inner_end := if sample k (low_end p) then low_end p else high_end p in
   det (minus (at_ (snd e)) p) (minus inner_end p) (set a (side - 1) (P 0 0 0)) < 0.
+
+(** ** What is proved of a rule
+
+    For all samples, all decisions on faces, all decisions in cells that are less than [choices], and
+    every finite lattice, the mesh [M] is a surface by index. *)
+
+Record surface (s : samples) (d : face_decisions) (i : cell_decisions) (T : tiles) (nx ny nz : nat)
+               (M : list triangle) : Prop := {
+
+  (** Oriented: no directed edge occurs twice. So an edge has two triangles at most, and two run
+      along it in opposite directions. *)
+  oriented : NoDup (directed M);
+  proper : forall a b, In (a, b) (directed M) -> a <> b;
+
+  (** Closed: off the border of the lattice each edge has two. *)
+  closed : forall e, In e (directed M) -> ~ edge_in_border nx ny nz e -> In (swap e) (directed M);
+
+  (** Manifold: off the border the neighbours of a vertex are a circle of different nodes, and its
+      triangles lead from each to the next. *)
+  full_turn : forall v w, around M v w -> ~ in_border nx ny nz v ->
+    exists circle, NoDup circle /\ forall a b, corner M v a b <-> In (a, b) (turns circle);
+
+  (** In the border they hang together, and each has one next at most, and one before. *)
+  one_fan_at : forall v w w', around M v w -> around M v w' -> linked M v w w';
+  one_next : forall v w x x', corner M v w x -> corner M v w x' -> x = x';
+  one_before : forall v w w' x, corner M v w x -> corner M v w' x -> w = w';
+
+  (** Its vertices on lattice edges are one for each crossed edge. *)
+  on_crossed_edges : forall c n, In c (box nx ny nz) -> on_edge n ->
+    ((exists w, around M (move c n) w) <-> crossed (conf_of s d i c) n = true);
+
+  (** On a face of a cell the tile's border has the inside on its right. *)
+  inside_behind : forall c e, In c (box nx ny nz) ->
+    In e (directed (T (conf_of s d i c))) -> ~ In (swap e) (directed (T (conf_of s d i c))) ->
+    exists a side, even2 side /\ ncoord a (fst e) = side /\ ncoord a (snd e) = side /\
+                   inside_on_the_right (conf_of s d i c) a side e
+}.
+
+Definition makes_surfaces (choices : N) (T : tiles) : Prop :=
+  forall s d i, (forall c, (i c < choices)%N) -> forall nx ny nz,
+  surface s d i T nx ny nz (mesh T s d i (box nx ny nz)).

@@ -5,7 +5,7 @@ From Proofs Require Import Lattice Conditions Geometry Circle.
 Import ListNotations.
 Open Scope Z_scope.
 
-Section Surface.
+Section Mesh.
 
 (** Any rule that satisfies the conditions; any field: samples, decisions on faces and in cells; any
     finite lattice. *)
@@ -122,7 +122,7 @@ Proof.
   induction (T (K c)) as [|[[p q] r] ts IHt]; [reflexivity|]. simpl. rewrite IHt. reflexivity.
 Qed.
 
-Theorem every_directed_edge_once : NoDup (directed M).
+Theorem mesh_oriented : NoDup (directed M).
 Proof.
   rewrite directed_mesh. apply NoDup_flat_map.
   - apply NoDup_box.
@@ -190,7 +190,7 @@ Proof.
   rewrite <- same_face in H. apply (below_has _ _ _ C _ (possible_K c) a) in H; auto.
 Qed.
 
-Theorem closed : forall e, In e (directed M) -> ~ edge_in_border nx ny nz e ->
+Theorem mesh_closed : forall e, In e (directed M) -> ~ edge_in_border nx ny nz e ->
   In (swap e) (directed M).
 Proof.
   intros [a b] H B. apply in_directed_mesh in H. destruct H as (c & Hc & p & q & H & -> & ->).
@@ -406,7 +406,7 @@ Proof.
   exists c. split; [exact Hc|]. exists v', w'. auto.
 Qed.
 
-Theorem all_linked : forall v w w', around M v w -> around M v w' -> linked M v w w'.
+Theorem mesh_one_fan : forall v w w', around M v w -> around M v w' -> linked M v w w'.
 Proof.
   intros v w w' H H'. apply around_stands in H. apply around_stands in H'.
   destruct H as (c & Hc & H), H' as (c' & Hc' & H').
@@ -414,32 +414,32 @@ Proof.
 Qed.
 
 (** Round a vertex each neighbour has one next at most, and one before it. *)
-Lemma directed_different a b : In (a, b) (directed M) -> a <> b.
+Lemma mesh_proper a b : In (a, b) (directed M) -> a <> b.
 Proof.
   intros H. apply in_directed_mesh in H. destruct H as (c & _ & p & q & H & -> & ->).
   intros E. apply move_injective in E. apply tile_local in H. tauto.
 Qed.
 
 Lemma one_triangle t t' e : In t M -> In t' M -> In e (sides t) -> In e (sides t') -> t = t'.
-Proof. apply in_flat_map_once, every_directed_edge_once. Qed.
+Proof. apply in_flat_map_once, mesh_oriented. Qed.
 
-Theorem one_next : forall v w x x', corner M v w x -> corner M v w x' -> x = x'.
+Theorem mesh_one_next : forall v w x x', corner M v w x -> corner M v w x' -> x = x'.
 Proof.
   intros v w x x' H H'.
   pose proof (corner_directed _ _ _ _ H) as (D & D1 & D2).
   pose proof (corner_directed _ _ _ _ H') as (_ & D1' & D2').
-  apply directed_different in D, D1, D2, D1', D2'.
+  apply mesh_proper in D, D1, D2, D1', D2'.
   destruct H as [H|[H|H]], H' as [H'|[H'|H']];
     pose proof (one_triangle _ _ (v, w) H H') as E; cbn in E;
     (specialize (E ltac:(auto) ltac:(auto))); congruence.
 Qed.
 
-Theorem one_before : forall v w w' x, corner M v w x -> corner M v w' x -> w = w'.
+Theorem mesh_one_before : forall v w w' x, corner M v w x -> corner M v w' x -> w = w'.
 Proof.
   intros v w w' x H H'.
   pose proof (corner_directed _ _ _ _ H) as (D & D1 & D2).
   pose proof (corner_directed _ _ _ _ H') as (D' & D1' & _).
-  apply directed_different in D, D1, D2, D', D1'.
+  apply mesh_proper in D, D1, D2, D', D1'.
   destruct H as [H|[H|H]], H' as [H'|[H'|H']];
     pose proof (one_triangle _ _ (x, v) H H') as E; cbn in E;
     (specialize (E ltac:(auto) ltac:(auto))); congruence.
@@ -450,14 +450,14 @@ Proof. intros (a & [[H H']|[H H']]); split; exists a; auto. Qed.
 
 (** Off the border the neighbours of a vertex are a circle of different nodes, and its triangles are
     those that lead from one to the next. *)
-Theorem full_turn : forall v w, around M v w -> ~ in_border nx ny nz v ->
+Theorem mesh_full_turn : forall v w, around M v w -> ~ in_border nx ny nz v ->
   exists circle, NoDup circle /\
     forall a b, corner M v a b <-> In (a, b) (turns circle).
 Proof.
   intros v w A B.
   assert (N : forall a b, corner M v a b -> exists c, corner M v b c).
   { intros a b H. apply corner_directed in H. destruct H as (_ & _ & H).
-    apply directed_corner. apply (closed (b, v) H).
+    apply directed_corner. apply (mesh_closed (b, v) H).
     intros E. apply border_edge in E. tauto. }
   assert (S : exists a b, corner M v a b).
   { destruct A as (x & [H|H]); eauto. }
@@ -465,16 +465,16 @@ Proof.
   apply (circle node (corner M v) (map fst (directed M)) a0 b0).
   - repeat decide equality.
   - intros a b H. apply corner_directed in H. apply in_map_iff. exists (a, b). tauto.
-  - intros a b b' H H'. eapply one_next; eauto.
-  - intros a a' b H H'. eapply one_before; eauto.
+  - intros a b b' H H'. eapply mesh_one_next; eauto.
+  - intros a a' b H H'. eapply mesh_one_before; eauto.
   - exact N.
-  - intros a b a' b' H H'. apply all_linked; [exists b|exists b']; auto.
+  - intros a b a' b' H H'. apply mesh_one_fan; [exists b|exists b']; auto.
   - exact S.
 Qed.
 
 (** ** Vertices stand on crossed lattice edges, and the inside is on the right of segments *)
 
-Theorem on_crossed_edges : forall c n, In c cells -> on_edge n ->
+Theorem mesh_on_crossed_edges : forall c n, In c cells -> on_edge n ->
   ((exists w, around M (move c n) w) <-> crossed (K c) n = true).
 Proof.
   intros c n Hc E. split.
@@ -488,10 +488,25 @@ Proof.
     destruct H as [w H]. exists (move c w). apply around_move; assumption.
 Qed.
 
-Theorem inside_behind : forall c e, In c cells -> In e (directed (T (K c))) ->
+Theorem mesh_inside_behind : forall c e, In c cells -> In e (directed (T (K c))) ->
   ~ In (swap e) (directed (T (K c))) ->
   exists a side, even2 side /\ ncoord a (fst e) = side /\ ncoord a (snd e) = side /\
                  inside_on_the_right (K c) a side e.
 Proof. intros c e _. apply (segments_on_faces _ _ _ C _ (possible_K c)). Qed.
 
-End Surface.
+End Mesh.
+
+(** The local conditions suffice. *)
+Theorem conditions_suffice : forall choices T I, conditions choices T I -> makes_surfaces choices T.
+Proof.
+  intros choices T I C s d i Hi nx ny nz. constructor.
+  - eapply mesh_oriented; eauto.
+  - eapply mesh_proper; eauto.
+  - eapply mesh_closed; eauto.
+  - eapply mesh_full_turn; eauto.
+  - eapply mesh_one_fan; eauto.
+  - eapply mesh_one_next; eauto.
+  - eapply mesh_one_before; eauto.
+  - eapply mesh_on_crossed_edges; eauto.
+  - eapply mesh_inside_behind; eauto.
+Qed.
