@@ -119,7 +119,7 @@ def test_coq_refuses_wrong_tiles(built: Path, change: str) -> None:
             one[3] = [list(t) for t in triangles]
     status, said = compiled(built, content)
     assert status != 0
-    assert "Error" in said
+    assert f'expected to have type\n "check {NAME.replace("-", "_")} = true"' in said
 
 
 @WITH_COQ
