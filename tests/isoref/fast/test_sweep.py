@@ -40,7 +40,7 @@ def test_both_sweeps_give_the_same_mesh_on_noise(
 ) -> None:
     """Every fast path has a plain twin; wherever slabs and blocks of cells are cut."""
     monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", slab_points)
-    monkeypatch.setattr(isoref.fast.sweep, "BLOCK_CELLS", min(slab_points, 1 << 14))
+    monkeypatch.setattr(isoref.fast.sweep, "PART_CELLS", min(slab_points, 1 << 14))
     values = np.random.default_rng(7).normal(size=shape)
     field = Field.of(values, spacing=(1, 2, 0.5), origin=(3, -1, 2))
     assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
