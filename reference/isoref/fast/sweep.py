@@ -36,6 +36,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any, Literal
@@ -44,9 +45,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
+from isoref.cycles import Triangle
 from isoref.field import Array, Field, FieldError, Floats, Integers, check_isovalue, least_inside
 from isoref.mesh import Mesh
-from isoref.rule import Rule, Tile
+from isoref.rule import Average, Rule, Tile
 from isoref.sweep import cell_crossings, check_volume, crossing_parameter
 
 Bytes = NDArray[np.uint8]
@@ -83,16 +85,23 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
 # --- What is known of a rule -------------------------------------------------------------------
 
 
+class _Inside(IntEnum):
+    """What interior points the tiles of a group have."""
+
+    NONE = 0
+    AVERAGES = 1
+    OTHERS = 2
+
+
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """The tiles with equally many triangles, and interior points or none.
+    """The tiles with equally many triangles, and interior points of one kind.
 
     nodes : (K, 3 T) the nodes of the T triangles of each tile
-    inside : whether the tiles have interior points
     """
 
     nodes: Integers
-    inside: bool
+    inside: _Inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +111,8 @@ class _Tables:
     known : for each key, whether its tile is in the tables
     group, row : where in `groups` it is
     interior : its number of interior points
+    means : for a key, the number of its first average
+    length, place : for an average, its number of nodes N, and its column in `averages[N]`
     """
 
     tile: dict[int, Tile]
@@ -110,31 +121,60 @@ class _Tables:
     row: Integers
     interior: Integers
     groups: tuple[_Group, ...]
+    means: Integers
+    length: Bytes
+    place: Integers
+    averages: dict[int, Integers]
 
     @classmethod
     def of(cls, tile: dict[int, Tile], size: int) -> _Tables:
         """The tables of these tiles, for keys below `size`."""
-        kinds = {key: (len(one.triangles), bool(one.interior)) for key, one in tile.items()}
-        order = sorted(set(kinds.values()))
-        rows: list[list[tuple[tuple[int, int, int], ...]]] = [[] for _ in order]
-        tables = cls(
-            tile,
-            np.zeros(size, np.bool_),
-            np.zeros(size, np.uint8),
-            np.zeros(size, np.int64),
-            np.zeros(size, np.int64),
-            (),
-        )
+        known, group = np.zeros(size, np.bool_), np.zeros(size, np.uint8)
+        row, interior, means = (np.zeros(size, np.int64) for _ in range(3))
+        rows: dict[tuple[int, _Inside], list[tuple[Triangle, ...]]] = {}
+        numbers: dict[tuple[int, _Inside], int] = {}
+        averages: dict[int, list[tuple[int, ...]]] = {}
+        length: list[int] = []
+        place: list[int] = []
         for key, one in tile.items():
-            number = order.index(kinds[key])
-            tables.known[key], tables.group[key] = True, number
-            tables.row[key], tables.interior[key] = len(rows[number]), len(one.interior)
-            rows[number].append(one.triangles)
-        groups = tuple(
-            _Group(np.array(row, np.int64).reshape(len(row), 3 * triangles), inside)
-            for row, (triangles, inside) in zip(rows, order, strict=True)
+            # Put the tile into the group of its kind.
+            kind = len(one.triangles), _inside(one)
+            own = rows.setdefault(kind, [])
+            known[key], row[key], interior[key] = True, len(own), len(one.interior)
+            group[key] = numbers.setdefault(kind, len(numbers))
+            own.append(one.triangles)
+
+            # Note its averages.
+            means[key] = len(length)
+            for mean in one.interior:
+                if isinstance(mean, Average):
+                    of_length = averages.setdefault(len(mean.nodes), [])
+                    length.append(len(mean.nodes))
+                    place.append(len(of_length))
+                    of_length.append(mean.nodes)
+        return cls(
+            tile,
+            known,
+            group,
+            row,
+            interior,
+            tuple(
+                _Group(np.array(own, np.int64).reshape(len(own), 3 * triangles), inside)
+                for (triangles, inside), own in rows.items()
+            ),
+            means,
+            np.array(length, np.uint8),
+            np.array(place, np.int64),
+            {n: np.ascontiguousarray(np.array(nodes).T) for n, nodes in averages.items()},
         )
-        return cls(tile, tables.known, tables.group, tables.row, tables.interior, groups)
+
+
+def _inside(tile: Tile) -> _Inside:
+    """What interior points a tile has."""
+    if not tile.interior:
+        return _Inside.NONE
+    averages = all(isinstance(place, Average) for place in tile.interior)
+    return _Inside.AVERAGES if averages else _Inside.OTHERS
 
 
 class _Tiles:
@@ -289,6 +329,10 @@ class _Lattice:
 # In place of the crossings of a cell for those who do not look at them.
 _NO_CROSSINGS = np.empty((12, 0, 3))
 
+# (3, 12) along each axis: whether an edge runs along it, and where its lower end is in the cell.
+_ALONG = np.array([[float(e // 4 == axis) for e in range(12)] for axis in range(3)])
+_LOWER = np.ascontiguousarray(CORNER_OFFSETS[EDGE_CORNERS[:, 0]].T.astype(np.float64))
+
 # How many bits of a byte are set.
 _POPULATION = np.array([n.bit_count() for n in range(256)])
 
@@ -427,7 +471,8 @@ class _Sweep:
         self.has_next = np.tile(has_next, (planes + 1) * lattice.n2)
         self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
-        self.offset = 0
+        self.offset = self.begun = 0
+        self.parameters = np.zeros(0)
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
     def _packed(self, first: int, planes: int) -> Bytes:
@@ -446,6 +491,9 @@ class _Sweep:
 
         # Number the vertices from the first one of the slab before, which shares a plane.
         begun = self.vertices.size
+        kept = self.parameters[self.begun - self.offset : begun - self.offset].copy()
+        self.parameters[: len(kept)] = kept
+        self.offset, self.begun = self.begun, begun
         self.vertex_of[self.upper_edges] = self.upper_vertices
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
@@ -461,7 +509,6 @@ class _Sweep:
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
-        self.offset = begun
 
     def _parts(self, cells: _Found, planes: int) -> list[int]:
         """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
@@ -597,6 +644,7 @@ class _Sweep:
         for axis in range(3):
             at[ends[axis] : ends[axis + 1]] += lattice.sample_steps[axis]
         t = crossing_parameter(below, self._relative(_take(samples, at)))
+        self._remember(t)
         out = self.vertices.more(len(t))
         for axis in range(3):
             index = edges.lattice_index(axis).astype(np.float64)
@@ -604,7 +652,16 @@ class _Sweep:
                 index += first
             along = slice(ends[axis], ends[axis + 1])
             index[along] += t[along]
-            self._place(index, axis, out)
+            out[:, axis] = self._position(index, axis)
+
+    def _remember(self, t: Floats) -> None:
+        """Keep where on their edges the new crossings are, for the averages of cells."""
+        start = self.vertices.size - self.offset
+        if len(self.parameters) < start + len(t):
+            longer = np.zeros(2 * (start + len(t)))
+            longer[: len(self.parameters)] = self.parameters
+            self.parameters = longer
+        self.parameters[start : start + len(t)] = t
 
     def _relative(self, samples: Array) -> Floats:
         """Samples minus the isovalue."""
@@ -612,13 +669,13 @@ class _Sweep:
         values -= self.isovalue
         return values
 
-    def _place(self, index: Floats, axis: int, out: Array) -> None:
-        """Write the positions of fractional indices along an axis; `index` is lost."""
+    def _position(self, index: Floats, axis: int) -> Floats:
+        """The positions of fractional indices along an axis, in the array of these."""
         if self.field.spacing[axis] != 1:
             index *= self.field.spacing[axis]
         if self.field.origin[axis] != 0:
             index += self.field.origin[axis]
-        out[:, axis] = index
+        return index
 
     # --- Triangles -------------------------------------------------------------------------
 
@@ -645,7 +702,9 @@ class _Sweep:
             key = _take(keys, rows)
             found = self._nodes(number, _take(tables.row, key), _take(base, rows))
             if tables.groups[number].inside:
-                self._add_interior(number, first, samples, cells, rows, key, found)
+                self._add_interior(
+                    number, first, samples, cells, rows, key, _take(base, rows), found
+                )
             out = self.triangles.more(n * width // 3)
             np.add(found, self.offset, out=out.reshape(n, width))
             if self.with_cells:
@@ -712,19 +771,63 @@ class _Sweep:
         cells: _Set,
         rows: Integers,
         key: Array,
+        base: Integers,
         found: Array,
     ) -> None:
         """Number the interior points of cells of one group, and write them into their nodes."""
         own = _take(self.tables.interior, key)
         end = np.cumsum(own)
         inner = end - own + self.vertices.size
-        self.vertices.more(int(end[-1]))
+        out = self.vertices.more(int(end[-1]))
         node = self.inner[number].take(_take(self.tables.row, key), axis=0, mode="clip")
         inside = inner[:, None] - self.offset + node
         np.copyto(found, inside, where=node >= 0, casting="same_kind")
-        i, j, k = (cells.lattice_index(axis, rows) for axis in range(3))
-        g = self._corners(samples, cells.samples(rows))
-        self.deferred.append(_Deferred(key, g, (i + first, j, k), inner))
+
+        # Place averages here and now, all others at the end.
+        index = [cells.lattice_index(axis, rows) for axis in range(3)]
+        index[0] += first
+        if self.tables.groups[number].inside == _Inside.AVERAGES:
+            self._average(key, own, base, index, out)
+        else:
+            g = self._corners(samples, cells.samples(rows))
+            self.deferred.append(_Deferred(key, g, (index[0], index[1], index[2]), inner))
+
+    def _average(
+        self, key: Array, own: Integers, base: Integers, index: list[Integers], out: Array
+    ) -> None:
+        """Place the averages of n cells, `own` (n,) in each, cell by cell."""
+        # Find the average that each point is; take those of as many nodes together.
+        tables = self.tables
+        cell = np.repeat(np.arange(len(own)), own)
+        nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
+        mean = _take(tables.means, _take(key, cell)) + nth
+        length = _take(tables.length, mean)
+        order = np.argsort(length, kind="stable")
+        start = 0
+        for n, count in enumerate(np.bincount(length).tolist()):
+            if not count:
+                continue
+            points = order[start : start + count]
+            start += count
+            column = _take(tables.place, _take(mean, points))
+            own_cell = _take(cell, points)
+            own_base = _take(base, own_cell)
+
+            # Add the coordinates of the nodes, in the order of the cycle.
+            total = np.zeros((3, count))
+            for nodes in tables.averages[n]:
+                e = _take(nodes, column)
+                vertex = _take(self.vertex_of, _take(self.lattice.edge_steps, e) + own_base)
+                t = _take(self.parameters, vertex)
+                for axis in range(3):
+                    along = _take(_ALONG[axis], e)
+                    along *= t
+                    along += _take(_LOWER[axis], e)
+                    total[axis] += along
+            total /= n
+            for axis in range(3):
+                total[axis] += _take(index[axis], own_cell)
+                out[points, axis] = self._position(total[axis], axis)
 
     def _place_deferred(self) -> None:
         """Write the positions of interior points, the cells of one key together."""
@@ -744,5 +847,5 @@ class _Sweep:
                 inside = place(own, crossings)
                 out = np.empty((len(rows), 3), self.vertices.array.dtype)
                 for axis in range(3):
-                    self._place(cells[axis][rows] + inside[:, axis], axis, out)
+                    out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
                 self.vertices.array[first[rows] + n] = out
