@@ -39,20 +39,19 @@ from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.cycles import Triangle
-from isoref.field import Array, Field, FieldError, Floats, Integers, check_isovalue, least_inside
-from isoref.mesh import Mesh
+from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
+from isoref.mesh import Mesh, Precision, number_types
 from isoref.rule import Average, Rule, Tile
 from isoref.sweep import cell_crossings, check_volume, crossing_parameter
 
 Bytes = NDArray[np.uint8]
-Precision = Literal["single", "double"]
 
 # At most so many places in a slab, so that its bits and the numbers of its vertices fit the last
 # cache; so many samples compared at once, and about so many active cells, so that their arrays fit
@@ -60,11 +59,6 @@ Precision = Literal["single", "double"]
 SLAB_POINTS = 1 << 20
 CHUNK_POINTS = 1 << 17
 PART_CELLS = 3 << 13
-
-NUMBER_TYPES: dict[str, tuple[type[Any], type[Any]]] = {
-    "single": (np.float32, np.int32),
-    "double": (np.float64, np.int64),
-}
 
 
 def sweep(rule: Rule, field: Field, isovalue: float, precision: Precision = "double") -> Mesh:
@@ -425,9 +419,8 @@ class _Sweep:
     ) -> None:
         check_volume(field)
         self.isovalue = check_isovalue(isovalue)
-        if precision not in NUMBER_TYPES:
-            raise FieldError(f"precision {precision!r} is not one of {', '.join(NUMBER_TYPES)}")
-        real, whole = NUMBER_TYPES[precision]
+        self.precision = precision
+        real, whole = number_types(precision)
         self.field, self.tiles, self.with_cells = field, _tiles(rule), with_cells
         self.values = field.values.reshape(field.shape)
         self.level = least_inside(field.values.dtype, self.isovalue)
@@ -444,6 +437,7 @@ class _Sweep:
 
     def mesh(self) -> Mesh:
         """The mesh of all slabs."""
+        number_types(self.precision, self.vertices.size)
         return Mesh(self.vertices.finished(), self.triangles.finished())
 
     def _run(self) -> None:
@@ -485,8 +479,6 @@ class _Sweep:
     def _slab(self, first: int, planes: int) -> None:
         """Add the cells between planes `first` and `first + planes`."""
         plane = self.lattice.plane_bytes
-        samples = self.values[first : first + planes + 1]
-        samples = np.ascontiguousarray(samples, samples.dtype.newbyteorder("=")).reshape(-1)
         crossed, active = self._crossed_and_active(first, planes)
 
         # Number the vertices from the first one of the slab before, which shares a plane.
@@ -498,9 +490,10 @@ class _Sweep:
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
         # Go through the active cells part by part, planes with their upper edges.
-        edges = self._not_zero(crossed)
-        cells = self._not_zero(active)
-        parts = self._parts(cells, planes)
+        edges, cells = self._not_zero(crossed), self._not_zero(active)
+        some = len(edges.where) > 0
+        samples = self._samples(first, planes if some else 0)
+        parts = self._parts(cells, planes) if some else []
         for low, high in pairwise(parts):
             for array in (self.vertices, self.triangles, self.cells):
                 array.done = (first + high) / (self.field.shape[0] - 1)
@@ -509,6 +502,11 @@ class _Sweep:
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
+
+    def _samples(self, first: int, planes: int) -> Array:
+        """The samples of these planes and of the one behind them, flat and in native order."""
+        samples = self.values[first : first + planes + 1]
+        return np.ascontiguousarray(samples, samples.dtype.newbyteorder("=")).reshape(-1)
 
     def _parts(self, cells: _Found, planes: int) -> list[int]:
         """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
