@@ -222,14 +222,15 @@ def proofs() -> str:
         "numbers, decisions on random pairs of cells.",
         "The original VESTA makes the same mesh (a property test).",
         "",
-        "| rule | tiles | meetings | tears | faults | pairs of cells tried | closed, manifold |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | --- |",
+        "| rule | tiles | meetings | tears | checks | broken | pairs tried | closed, manifold |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
     ]
     for one in RULES:
         proof = prove(one)
         lines.append(
-            f"| {one.name} | {proof.tiles} | {proof.meetings} | {len(proof.tears)} | "
-            f"{len(proof.faults)} | {proof.tried:,} | {'proved' if proof.holds else 'refuted'} |"
+            f"| {one.name} | {len(proof.tiles)} | {proof.meetings} | {len(proof.tears)} "
+            f"| {len(proof.checks)} | {len(proof.broken)} | {proof.trials:,} "
+            f"| {'proved' if proof.holds else 'not proved'} |"
         )
     return "\n".join(lines) + "\n"
 

@@ -259,3 +259,10 @@ def test_bourkes_tables_have_our_cycles_and_no_rule_of_the_cycle_cuts_them(
     assert sum(bourke.same_triangles(signs, own) for signs, own in found.items()) == 105
     two = {key[0] for key, own in bourke.classes(every).items() if len(own) > 1}
     assert two == {9, 10}
+
+
+def test_the_six_surfaces_are_proved_in_the_report(module: Callable[[str], Any]) -> None:
+    """Section IV: a line a rule, and each proved."""
+    lines = [x for x in module("reproduce").proofs().splitlines() if x.startswith("| marching")]
+    assert len(lines) == 6
+    assert all(line.endswith("| proved |") for line in lines)
