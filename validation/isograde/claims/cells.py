@@ -51,7 +51,7 @@ from isograde.claims.evidence import (
     skipped,
     undecided,
 )
-from isograde.claims.geometry import whole_of
+from isograde.claims.geometry import on_edges, whole_of
 from isograde.declaration import Declaration
 from isograde.model import CONTOURS, SURFACES, Claim, Finding, Judge, Kind, Trial
 from isograde.oracles.bilinear import faces_of, saddles
@@ -68,12 +68,12 @@ NOBODY = "no cell without a tied corner is met, or should be"
 
 
 def on_cell_edges(declared: Declaration) -> bool:
-    """Vertices on lattice edges, and the cells of the lattice are the cells of the mesh."""
+    """Vertices on lattice edges: the multilinear interpolant, or labels."""
     return declared.vertices == "edges" and declared.interpolant != "tetrahedra"
 
 
 def follows_values(declared: Declaration) -> bool:
-    """The same, of the multilinear interpolant: values decide, not labels."""
+    """Vertices on lattice edges, and the multilinear interpolant."""
     return on_cell_edges(declared) and declared.interpolant == "multilinear"
 
 
@@ -83,7 +83,7 @@ def in_split(declared: Declaration) -> bool:
 
 
 def with_cells(declared: Declaration) -> bool:
-    """There is something to say of its cells."""
+    """Vertices on edges, or in cells of the lattice."""
     dual = declared.vertices == "cells" and declared.interpolant != "tetrahedra"
     return declared.vertices == "edges" or dual
 
@@ -489,7 +489,7 @@ CLAIMS = (
         level=2,
         judge=on_mesh(count),
         kinds=of_cells,
-        families=lambda declared: declared.vertices == "edges",
+        families=on_edges,
     ),
     _choice(
         "separate",

@@ -289,7 +289,7 @@ def _welded(trial: Trial) -> Complex:
 
 
 def on_edges(declaration: Declaration) -> bool:
-    """Vertices stand on edges."""
+    """Vertices on edges."""
     return declaration.vertices == "edges"
 
 
