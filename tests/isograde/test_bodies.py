@@ -33,7 +33,7 @@ from isoref.mesh import Mesh
 Extractor = Callable[[Any, float], Mesh]
 BODIES = {f"{n}-{m}/{body.name}": body for n, m in KINDS for body in known_bodies(n, m)}
 CASES = {case.id: case for case in cases.cases() if case.id.endswith(("-float64", "-uint8"))}
-# Cases whose judgement takes seconds rather than parts of one.
+# Kinds whose meshes take seconds to judge rather than parts of one.
 HEAVY = {(4, 1), (4, 2), (5, 3)}
 SURFACES = [
     name
