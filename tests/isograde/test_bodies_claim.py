@@ -156,3 +156,41 @@ def test_a_missing_patch_opens_a_piece() -> None:
     found = judged(patched, {"interpolant": "kuhn"}, SURFACES)
     assert set(found["bodies.holes"]) == {Verdict.FAIL}
     assert set(found["bodies.offset"]) == {Verdict.PASS}
+
+
+def astray(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """One vertex two cells farther from the middle."""
+    moved = np.array(vertices)
+    away = moved[0] - moved.mean(axis=0)
+    moved[0] += 2 * away / np.linalg.norm(away)
+    return moved, faces
+
+
+def with_speck(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """A tiny tetrahedron beside the body."""
+    corners = np.array([[0.0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]) + 0.5
+    speck = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    return np.concatenate([vertices, corners]), np.concatenate([faces, speck + len(vertices)])
+
+
+def grown(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """A sphere a tenth larger round its middle."""
+    middle = vertices.mean(axis=0)
+    return middle + 1.1 * (vertices - middle), faces
+
+
+BROKEN = {"bodies.distance": astray, "bodies.pieces": with_speck, "bodies.offset": grown}
+
+
+@pytest.mark.parametrize("claim", BROKEN)
+def test_a_fault_is_caught_by_its_claim(claim: str) -> None:
+    """A vertex astray, a piece too many, a body too large; in index coordinates of a sphere."""
+    right = CORRECT["cubes"].function
+
+    def wrong(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+        vertices, faces = BROKEN[claim](*right(values, isovalue, (1.0, 1.0, 1.0)))
+        return vertices * np.asarray(spacing), faces
+
+    found = judged(wrong, {}, SURFACES[:1])
+    assert set(found[claim]) == {Verdict.FAIL}
+    assert set(judged(right, {}, SURFACES[:1])[claim]) == {Verdict.PASS}

@@ -1,8 +1,55 @@
 """The registries of claims and cases: nothing is listed twice, or never judged."""
 
+from pathlib import Path
+
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS, FAMILIES
 from isograde.model import LEVELS
+
+from tests.isograde import (
+    miniatures,
+    test_accuracy,
+    test_cells,
+    test_curves,
+    test_geometry,
+    test_perfect_claim,
+    test_simplices_claims,
+    test_structure,
+    test_symmetry,
+)
+
+# The claims that the tables of broken implementations name as the one that catches each.
+CAUGHT = {
+    *(one.breaks for one in miniatures.BROKEN),
+    *(f"structure.{name}" for name, _, _ in test_structure.FAULTS),
+    *test_symmetry.CAUGHT.values(),
+    *test_cells.CHOICES,
+    test_perfect_claim.CLAIM,
+    *(f"curves.{name}" for name in test_curves.BROKEN),
+    *(f"simplices.{name}" for _, _, name in test_simplices_claims.BROKEN),
+    *(f"accuracy.{name}" for _, names in test_accuracy.BROKEN.values() for name in names),
+}
+# Those with a test of their own, and where it stands.
+BY_TEST = {
+    "bodies.pieces": "test_bodies_claim",
+    "bodies.holes": "test_bodies_claim",
+    "bodies.offset": "test_bodies_claim",
+    "bodies.centroid": "test_bodies_claim",
+    "bodies.distance": "test_bodies_claim",
+    "bodies.degree": "test_bodies_claim",
+    "symmetry.components": "test_symmetry",
+    "topology.scan": "test_scan",
+}
+
+
+def test_every_claim_has_a_broken_implementation_that_it_catches() -> None:
+    """A claim that nothing can fail says nothing; a new claim needs its own."""
+    assert len(test_geometry.CAUGHT) > 3
+    assert set(CLAIMS) == CAUGHT | set(BY_TEST)
+    assert not CAUGHT & set(BY_TEST)
+    for claim, module in BY_TEST.items():
+        text = (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8")
+        assert f'"{claim}"' in text or f'"{claim.split(".")[1]}"' in text, claim
 
 
 def test_no_claim_is_lost_on_the_way_to_the_registry() -> None:

@@ -33,25 +33,26 @@ def test_right_arrays_pass(name: str) -> None:
     assert verdict(name, POINTS, FACES) is Verdict.PASS
 
 
-@pytest.mark.parametrize(
-    ("name", "vertices", "simplices"),
-    [
-        ("shapes", POINTS[:, :2], FACES),
-        ("shapes", POINTS, FACES[:, :2]),
-        ("shapes", POINTS, FACES.astype(float)),
-        ("shapes", POINTS.astype(complex), FACES),
-        ("finite", np.where(POINTS == 1, np.nan, POINTS), FACES),
-        ("finite", np.where(POINTS == 1, np.inf, POINTS), FACES),
-        ("in_range", POINTS, FACES + 1),
-        ("in_range", POINTS, FACES - 1),
-        ("no_repeated_index", POINTS, FACES * [[1, 1, 1], [1, 1, 0]] + [[0, 0, 0], [0, 0, 1]]),
-        ("no_duplicate", POINTS, FACES[[0, 0]]),
-        ("no_duplicate", POINTS, [[0, 1, 2], [2, 1, 0]]),
-        ("all_used", POINTS, FACES[:1]),
-        ("apart", POINTS[[0, 1, 2, 0]], FACES),
-        ("with_measure", POINTS[[0, 1, 2, 1]], FACES),
-    ],
-)
+# A fault of the arrays, and the claim that names it.
+FAULTS: list[tuple[str, Any, Any]] = [
+    ("shapes", POINTS[:, :2], FACES),
+    ("shapes", POINTS, FACES[:, :2]),
+    ("shapes", POINTS, FACES.astype(float)),
+    ("shapes", POINTS.astype(complex), FACES),
+    ("finite", np.where(POINTS == 1, np.nan, POINTS), FACES),
+    ("finite", np.where(POINTS == 1, np.inf, POINTS), FACES),
+    ("in_range", POINTS, FACES + 1),
+    ("in_range", POINTS, FACES - 1),
+    ("no_repeated_index", POINTS, FACES * [[1, 1, 1], [1, 1, 0]] + [[0, 0, 0], [0, 0, 1]]),
+    ("no_duplicate", POINTS, FACES[[0, 0]]),
+    ("no_duplicate", POINTS, [[0, 1, 2], [2, 1, 0]]),
+    ("all_used", POINTS, FACES[:1]),
+    ("apart", POINTS[[0, 1, 2, 0]], FACES),
+    ("with_measure", POINTS[[0, 1, 2, 1]], FACES),
+]
+
+
+@pytest.mark.parametrize(("name", "vertices", "simplices"), FAULTS)
 def test_a_fault_is_named(name: str, vertices: Any, simplices: Any) -> None:
     """By its own claim."""
     assert verdict(name, vertices, simplices) is Verdict.FAIL

@@ -82,6 +82,22 @@ def test_scaling_finds_an_absolute_epsilon() -> None:
     assert found["symmetry.scaling"][Verdict.FAIL]
 
 
+def test_the_order_of_the_components_is_compared() -> None:
+    """Curves on whose first field a sample more counts as inside: another answer, turned round."""
+    shape = (4, 3, 4)
+    field = Field.of(np.random.default_rng(5).normal(size=(2, *shape)), dimension=3)
+    case = Case("test", lambda: field, (0.1, 0.1), 1, kind=Kind(3, 2))
+    declared = declaration_from({"interpolant": "kuhn", "limits": {"kinds": [[3, 2]]}}, "curves")
+
+    def extract(values, isovalues, spacing):  # type: ignore[no-untyped-def]
+        levels = np.reshape([isovalues[0] - 0.2, isovalues[1]], (2, 1, 1, 1))
+        mesh = simplicial(Field.of(values - levels, spacing, dimension=3))
+        return mesh.vertices, mesh.simplices
+
+    found = verdicts(extract, declared, [case], "symmetry.components")
+    assert found["symmetry.components"][Verdict.FAIL]
+
+
 @pytest.mark.parametrize("kind", [Kind(2, 1), Kind(3, 2), Kind(4, 2)], ids=str)
 def test_simplices_of_other_kinds_pass(kind: Kind) -> None:
     """Kuhn's simplices under their own symmetries, and another order of the components."""
