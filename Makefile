@@ -7,13 +7,14 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: help grade test quick lint papers benchmarks reports docs clean
+.PHONY: help grade test quick lint proof papers benchmarks reports docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
 	@echo "make test        every test, slow ones too"
 	@echo "make quick       the tests that are not marked slow"
 	@echo "make lint        ruff and mypy"
+	@echo "make proof       the theorem on cube rules, checked by Coq from nothing, and every rule's tiles"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make docs        the site, in docs/_build"
@@ -39,6 +40,10 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# Skips itself, with a word, where there is no coqc (Debian: apt-get install coq).
+proof: $(STAMP)
+	$(BIN)/python validation/proofs/make.py
+
 papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
@@ -53,4 +58,4 @@ docs: $(STAMP)
 	$(BIN)/python -m sphinx -W -q -b html docs docs/_build
 
 clean:
-	rm -rf $(VENV) report build dist
+	rm -rf $(VENV) report build dist validation/proofs/build

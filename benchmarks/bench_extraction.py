@@ -137,7 +137,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     offered = [n for n in FIELDS if not n.startswith("angio") or find(ANEURISM) is not None]
     parser.add_argument("--fields", nargs="*", choices=offered, default=offered)
-    usual = ["asymptotic-decider", "trilinear-cubes", "marching-vesta-mixed-H"]
+    usual = ["asymptotic-decider", "lorensen-cline", "trilinear-cubes", "marching-vesta-mixed-H"]
     parser.add_argument("--methods", nargs="*", choices=list(METHODS), default=usual)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/extraction.md"))

@@ -18,7 +18,7 @@ SOURCES = {
 # The order in which to read the reference.
 CHAPTERS = {
     "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
-    "Its repair": ("asymptotic_decider", "trilinear_cubes", "methods"),
+    "Its repair": ("asymptotic_decider", "diagonals", "trilinear_cubes", "methods"),
     "Volume-enclosing surfaces": ("diconex", "vesta", "marching_vesta", "freeze_out"),
     "Other families": (
         "dual",
@@ -37,6 +37,9 @@ CHAPTERS = {
         "kuhn",
         "simplex_section",
         "simplicial",
+        "recursive_sections",
+        "face_tracing",
+        "hypercubes",
         "dyadic",
         "projection",
     ),

@@ -81,6 +81,23 @@ def test_the_grader_takes_two_words_from_the_reference() -> None:
     assert not guilty
 
 
+def test_the_reference_needs_numpy_and_scipy_alone() -> None:
+    """Design, dependencies: whatever else is used is an extra, imported where it is called."""
+    own = {"isoref", "numpy", "scipy", *sys.stdlib_module_names}
+    needed = {m.split(".")[0] for p in modules(REFERENCE) for m in imports(p)}
+    assert "numpy" in needed
+    assert needed <= own
+
+
+def test_articles_know_nothing_of_their_twins_but_the_catalogue_does() -> None:
+    """Design, plain and fast: who reads an article meets no engine; users get the fast one."""
+    plain = [p for p in modules(REFERENCE) if p.parent == REFERENCE]
+    users = {p.name for p in plain if any(m.startswith("isoref.fast") for m in imports(p))}
+    twins = {p.name for p in modules(REFERENCE / "fast")}
+    assert "methods.py" in users
+    assert not users & twins
+
+
 @pytest.mark.parametrize("package", [REFERENCE, GRADER])
 def test_no_module_imports_itself_through_others(package: Path) -> None:
     """Data flows one way, and so do imports, those inside functions too."""

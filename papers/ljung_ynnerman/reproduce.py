@@ -14,8 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import ljung_faces as faces
 import ljung_joining as joinings
 import ljung_lines as lines
+import ljung_misprints as misprints
 import ljung_scaling as scalings
 import numpy as np
 from isograde.reproduction import Table, write_report
@@ -224,10 +226,12 @@ def main(
     def match(sampler: Sampler, side: int, seed: int) -> float:
         return matching_wave_number(sampler, side, seed, printed["real"][0])
 
-    every, _ = lines.readings(SAMPLERS, side, range(seeds), printed["lines"], match)
+    every, _ = lines.readings(SAMPLERS, side, range(max(2, seeds // 2)), printed["lines"], match)
     k = 27.0 * side / 128
     parts: list[Table | str] = [*tables, every, consistency()]
-    parts += growth(sides, seeds, k, folder)
+    parts += growth(sides, max(2, seeds // 2), k, folder)
+    numbers = (15.0, 20.0, 30.0, 45.0) if seeds > 2 else (30.0,)
+    parts += [faces.report(numbers, range(max(1, seeds // 4))), misprints.report()]
     parts += [joinings.joining(side // 2, k, range(2))]
     chosen = matching_wave_number(bounded_waves, side, 0, empty_share_of_figure_1())
     waves = Waves.of(bounded_waves((side,) * 3, chosen, seed=0), chosen, side)
@@ -250,12 +254,13 @@ def main(
 def growth(sides: Sequence[int], seeds: int, k: float, folder: Path) -> list[Table | str]:
     """Figures 5 and 6 and Appendix A, on every size."""
     counted = [scalings.count(one, seed, k) for one in sides for seed in range(seeds)]
-    timed = [scalings.clock(one, seed, k) for one in sides for seed in range(max(2, seeds // 4))]
+    timed = [scalings.clock(one, seed, k) for one in sides for seed in range(2)]
     scalings.figure_5(timed, folder / "figure5.svg")
     scalings.figure_6(counted, folder / "figure6.svg")
     return [
         scalings.scaling(counted, timed),
         scalings.approach(counted),
+        scalings.costs(sides[len(sides) // 2], min(seeds, 3), k),
         scalings.appendix_a(counted, sides[-1] // 2 + 1, k),
     ]
 

@@ -1,4 +1,4 @@
-"""The paper's figures, drawn by the code: 2 to 8, 10 to 16 and 18."""
+"""The paper's figures, drawn by the code: 1 to 16 and 18, and 17 where a volume is at hand."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Field, Floats, Integers
 from isoref.rule import Rule, Tile
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from nielson_drawing import (
     HOLE,
@@ -40,6 +41,7 @@ from nielson_drawing import (
 from PIL import Image
 
 DPI = 96
+SKULL = "figure-17-skull.png"
 plt.rcParams["svg.hashsalt"] = "isograde"  # the same file every time
 
 Drawer = Callable[[Axes], None]
@@ -320,7 +322,7 @@ def face(corners: Sequence[float], title: str) -> tuple[str, Drawer]:
         axes.plot([0, 1, 1, 0, 0], [0, 0, 1, 1, 0], color=LINE, lw=1.2)
         for (x, y), v in zip(((0, 0), (1, 0), (1, 1), (0, 1)), corners, strict=True):
             axes.plot([x], [y], "o", mfc=LINE if v >= 0 else "white", mec=LINE, ms=6)
-        if a > 0 > b and c > 0 > d:
+        if a * b < 0 and c * d < 0 and a * d < 0:
             label_crossings(axes, [float(v) for v in corners])
         axes.set_xlim(-0.45, 1.45)
         axes.set_ylim(-0.45, 1.45)
@@ -386,11 +388,63 @@ def figure_5() -> Figure:
     return figure
 
 
+def figure_1() -> Figure:
+    """Cuberille grid data: samples at the corners of a lattice of cubes, one cell of it marked."""
+    figure, axes = plt.subplots(figsize=(3.4, 3.0))
+    axes.axis("off")
+    axes.set_aspect("equal")
+    shape = (4, 3, 3)
+    for index in np.ndindex(*shape):
+        here = on_paper(np.array(index, float))
+        for axis in range(3):
+            if index[axis] + 1 < shape[axis]:
+                there = on_paper(np.array(index, float) + np.eye(3)[axis])
+                axes.plot(*np.transpose([here, there]), color=EDGE_COLOUR, lw=0.7, zorder=1)
+        axes.plot(*here, "o", color=OUTSIDE, ms=4, zorder=2)
+    for corner in CORNERS:
+        axes.plot(*on_paper(np.array(corner, float)), "o", color=INSIDE, ms=5, zorder=3)
+    at = on_paper(np.array((shape[0] - 1.0, shape[1] - 1.0, shape[2] - 1.0)))
+    axes.annotate("F$_{ijk}$", at, (6, 4), textcoords="offset points", fontsize=10)
+    figure.tight_layout(pad=0.2)
+    return figure
+
+
+def figure_7() -> Figure:
+    """The notation of the test: the crossings of the sides, and the meeting of the asymptotes."""
+    panels = [
+        face((0.8, -1.3, 0.7, -1.0), "a: (S1, 1) to (1, T1),\n(S0, 0) to (0, T0)"),
+        face((-0.8, 1.3, -0.7, 1.0), "b: the other two corners\nare inside"),
+    ]
+    return sheet(panels, 2, 3.2, 1.2)
+
+
+def figure_17(field: Field, isovalue: float) -> Figure:
+    """The isovalue surface of a skull: a CT head in place of the paper's, which is not public."""
+    mesh = sweep_with_cells(decider.RULE, field, isovalue)[0]
+    corners = mesh.vertices[mesh.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    # Seen along the second axis from its low end, the first axis downwards: back to front.
+    order = np.argsort(-corners[:, :, 1].mean(axis=1))
+    flat, lit = corners[order][:, :, [2, 0]] * [1, -1], normals[order] @ np.array([0.3, -0.85, 0.4])
+    figure, axes = plt.subplots(figsize=(4.4, 4.4))
+    axes.axis("off")
+    axes.set_aspect("equal")
+    shades = plt.get_cmap("bone")(0.25 + 0.7 * np.clip(lit, 0, 1))
+    axes.add_collection(PolyCollection(flat, facecolors=shades, edgecolors="face", linewidths=0.2))
+    axes.autoscale()
+    axes.set_title(f"{len(mesh.simplices):,} triangles", fontsize=9)
+    figure.tight_layout(pad=0.2)
+    return figure
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "figure-01-cuberille-grid.svg": figure_1,
     "figure-02-configurations.png": figure_2,
     "figure-03-04-hole-and-repairs.png": figure_3_4,
     "figure-05-bilinear.svg": figure_5,
     "figure-06-08-hyperbolas.svg": figure_6_8,
+    "figure-07-notation-of-the-test.svg": figure_7,
     "figure-09-notation.png": figure_9,
     "figure-10-configuration-3.png": lambda: sheet([variant("3A"), variant("3B")], 2),
     "figure-04-configuration-6.png": lambda: sheet([variant("6A"), variant("6B")], 2),
@@ -404,7 +458,8 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 }
 
 
-def draw_all(folder: Path) -> list[Path]:
-    """Every figure, written to the folder."""
+def draw_all(folder: Path, skull: tuple[Field, float] | None = None) -> list[Path]:
+    """Every figure, written to the folder; Figure 17 of this volume at this isovalue."""
     folder.mkdir(parents=True, exist_ok=True)
-    return [save(make(), folder / name) for name, make in FIGURES.items()]
+    made = [save(make(), folder / name) for name, make in FIGURES.items()]
+    return [*made, save(figure_17(*skull), folder / SKULL)] if skull else made

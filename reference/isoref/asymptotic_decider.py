@@ -69,6 +69,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 
@@ -126,13 +127,36 @@ def separated(a: Floats, b: Floats, c: Floats, d: Floats) -> Booleans:
     They are where alpha > B(S, T). The values a, b, c, d stand round the face, minus alpha, so the
     question is whether (a c - b d) / (a + c - b - d) is below zero. The denominator has the sign
     of the inside diagonal: it is enough to compare the products. (The test printed in section 2 of
-    [1] is for marked B00 and B11; for the other diagonal its two branches change places.)
+    [1] is for marked B00 and B11; for the other diagonal its two branches change places.) Rounded
+    products nearly always tell; where they do not, `product_below` does.
 
     >>> separated(*np.array([[3.0, 1.0], [-1.0, -2.0], [1.0, 2.0], [-1.0, -1.0]]))
     array([False, False])
     """
-    p, q, r, s = np.where(a >= 0, (a, c, b, d), (b, d, a, c))
-    return product_below(p, q, r, s)
+    high = a >= 0
+    with np.errstate(over="ignore", under="ignore"):
+        ac, bd = a * c, b * d
+    below, sure = plainly_below(np.where(high, ac, bd), np.where(high, bd, ac))
+    if not sure.all():
+        a, b, c, d = (x[~sure] for x in (a, b, c, d))
+        below[~sure] = product_below(*np.where(a >= 0, (a, c, b, d), (b, d, a, c)))
+    return below
+
+
+def plainly_below(left: Floats, right: Floats) -> tuple[Booleans, Booleans]:
+    """Whether left < right, for two rounded products that are not negative, and whether it is sure.
+
+    A product that neither over- nor underflows is off by 2^-53 of itself, so a difference of more
+    than 2^-51 of the larger one is no rounding. Where the larger one is that far above the least
+    float, the smaller one may have underflowed and does not matter.
+
+    >>> [x.tolist() for x in plainly_below(np.array([1.0, 1.0]), np.array([2.0, 1.0]))]
+    [[True, False], [True, False]]
+    """
+    larger = np.maximum(left, right)
+    with np.errstate(invalid="ignore"):
+        gap = np.abs(left - right)
+    return np.asarray(left < right), np.asarray((gap > 2.0**-51 * larger) & (larger > 2.0**-900))
 
 
 def product_below(p: Floats, q: Floats, r: Floats, s: Floats) -> Booleans:
@@ -171,16 +195,20 @@ def _halves(x: Floats) -> tuple[Floats, Floats]:
     return upper, x - upper
 
 
+#: (4, 6) the corners of the faces, first, second, third and fourth of each walk.
+WALKS = np.array(FACE_CORNERS).T
+#: An ambiguous face that is joined beyond doubt: it stands in for those that are not ambiguous.
+CLEAR = (1.0, -0.5, 1.0, -0.5)
+
+
 def decisions(g: Floats) -> Integers:
     """Bit f set where face f is ambiguous and separated, for n cells, from g (8, n)."""
-    bits = np.zeros(g.shape[1], np.int64)
-    marks = g >= 0
-    for f, walk in enumerate(FACE_CORNERS):
-        a, b, c, d = (marks[corner] for corner in walk)
-        ambiguous = np.flatnonzero((a == c) & (b == d) & (a != b))
-        values = (g[corner, ambiguous] for corner in walk)
-        bits[ambiguous] |= separated(*values).astype(np.int64) << f
-    return bits
+    # Look at the six faces of all cells at once: a, b, c, d are (6, n).
+    a, b, c, d = g[WALKS]
+    high_a, high_b, high_c, high_d = (g >= 0)[WALKS]
+    ambiguous = (high_a == high_c) & (high_b == high_d) & (high_a != high_b)
+    cut = separated(*(np.where(ambiguous, x, y) for x, y in zip((a, b, c, d), CLEAR, strict=True)))
+    return np.asarray(np.packbits(ambiguous & cut, axis=0, bitorder="little")[0], np.int64)
 
 
 # --------------------------------------------------------------------------------------------
@@ -365,6 +393,8 @@ class BetweenSaddles:
     top: int
     bottom: int
 
+    asks_crossings: ClassVar[bool] = False
+
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points e0, (n, 3)."""
         top, F_top = saddle_point(g, self.top)
@@ -397,6 +427,8 @@ class OnDiagonal:
     """
 
     v: int
+
+    asks_crossings: ClassVar[bool] = False
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points e0, (n, 3)."""

@@ -64,8 +64,8 @@ Cell = tuple[int, int, int]
 class Patch(NamedTuple):
     """One vertex of a cell.
 
-    crossings : the crossed edges whose mean point it stands at
-    quads : the crossed edges, inner ones, across which it is a corner of the quadrilateral
+    crossings : the crossed edges whose mean point it stands at; no two patches share one
+    quads : the inner ones of them, across which it is a corner of the quadrilateral
     """
 
     crossings: Polygon

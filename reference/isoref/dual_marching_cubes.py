@@ -35,8 +35,8 @@ At the border
 -------------
 A polygon may touch the border of the lattice in several places, and the quadrilaterals round its
 vertex then fall into several fans that meet in nothing but the vertex. Each fan then gets a vertex
-of its own, placed apart from the others by counting its own crossings twice, so that the mesh is
-a manifold with a border and not only within it.
+of its own, at the mean of its crossings and those of the border that follow, so that the mesh is a
+manifold with a border and not only within it.
 
 Glossary
 --------
@@ -96,31 +96,25 @@ def patches(signs: int, turned: bool, border: int) -> tuple[Patch, ...]:
     """
     polygons = cycles(signs, ALL_JOINED if turned else ALL_SEPARATED)
     inner = inner_edges(signs, border)
-    found = []
-    for polygon in polygons:
-        runs = fans(polygon, inner)
-        found += [Patch(polygon if len(runs) == 1 else polygon + run, run) for run in runs]
-    return tuple(found)
+    return tuple(patch for polygon in polygons for patch in fans(polygon, inner))
 
 
-def fans(polygon: Polygon, inner: frozenset[int]) -> list[Polygon]:
-    """The runs of inner edges along the polygon, which is a circle.
+def fans(polygon: Polygon, inner: frozenset[int]) -> list[Patch]:
+    """The polygon, which is a circle, cut before each run of inner edges; none without a run.
 
-    >>> fans((0, 8, 4, 1, 11, 5), frozenset({0, 1, 4})), fans((0, 8, 4), frozenset({0, 4, 8}))
-    ([(4, 1), (0,)], [(0, 8, 4)])
+    >>> [fan.quads for fan in fans((0, 8, 4, 1, 11, 5), frozenset({0, 1, 4}))]
+    [(0,), (4, 1)]
+    >>> fans((0, 8, 4), frozenset({0, 4, 8}))
+    [Patch(crossings=(0, 8, 4), quads=(0, 8, 4))]
     """
-    outer = [i for i, e in enumerate(polygon) if e not in inner]
-    if not outer:
-        return [polygon]
-    # Begin behind an edge of the border, so that no run is cut in two.
-    turned = polygon[outer[0] + 1 :] + polygon[: outer[0] + 1]
-    runs: list[Polygon] = [()]
-    for e in turned:
-        if e in inner:
-            runs[-1] += (e,)
-        else:
-            runs.append(())
-    return [run for run in runs if run]
+    starts = [i for i, e in enumerate(polygon) if e in inner and polygon[i - 1] not in inner]
+    if not starts:
+        return [Patch(polygon, polygon)] if polygon[0] in inner else []
+    found = []
+    for start, end in zip(starts, [*starts[1:], starts[0] + len(polygon)], strict=True):
+        piece = (polygon + polygon)[start:end]
+        found.append(Patch(piece, tuple(e for e in piece if e in inner)))
+    return found
 
 
 RULE = DualRule("dual-marching-cubes", patches, pinched_face)

@@ -173,6 +173,10 @@ class LipschitzBound:
 
     L: float
 
+    def __post_init__(self) -> None:
+        """Raise FieldError for a constant that bounds nothing."""
+        check_slopes(np.array(self.L))
+
     def spread(self, extent: Integers, low: Integers, high: Integers) -> Floats:
         """L times the longest edge."""
         return np.asarray(self.L * extent.max(axis=1, keepdims=True), np.float64)
@@ -187,11 +191,29 @@ class SlopeBound:
 
     slopes: Floats | Slopes
 
+    def __post_init__(self) -> None:
+        """Raise FieldError for slopes that bound nothing; those of boxes are asked box by box."""
+        if not callable(self.slopes):
+            check_slopes(np.asarray(self.slopes))
+
     def spread(self, extent: Integers, low: Integers, high: Integers) -> Floats:
         """The sum over the axes of slope times edge: a way from sample to sample, axis by axis."""
-        slopes = self.slopes(low, high) if callable(self.slopes) else self.slopes
+        slopes = self.slopes
+        if callable(slopes):
+            slopes = slopes(low, high)
+            check_slopes(np.asarray(slopes))
         spread: Floats = np.matmul(slopes, extent[..., None].astype(np.float64))[..., 0]
         return spread
+
+
+def check_slopes(slopes: Floats) -> None:
+    """Raise FieldError unless every slope is a number of at least 0; infinity rules nothing out."""
+    wrong = np.asarray(slopes)[~(np.asarray(slopes) >= 0)]
+    if wrong.size:
+        raise FieldError(
+            f"a slope or Lipschitz constant of {wrong.flat[0]} bounds nothing: give the largest "
+            "change in one sample step, 0 or more, or infinity where none is known"
+        )
 
 
 def lipschitz_constant(field: Field) -> float:

@@ -24,7 +24,7 @@ middle of the cell, begun at the same support point and cut into the same triang
 References
 ----------
 1. B. R. Schlei, "Volume-Enclosing Surface Extraction", section II.F, Figs. 15 to 18 and Table I;
-   section II.E (8-, 9- and 12-cycles), III.B (the average at a POA).
+   section II.E (8-, 9- and 12-cycles; the tube of Fig. 10b), III.B (the average at a POA).
 """
 
 from __future__ import annotations
@@ -131,9 +131,13 @@ def decisions(g: Floats) -> Integers:
     return bits
 
 
-def tile(signs: int, decisions: int, mode: Mode, resolution: Resolution) -> Tile:
-    """The triangles of the cell's cycles, as in Figs. 8, 9 and 14."""
+def tile(
+    signs: int, decisions: int, mode: Mode, resolution: Resolution, tube: bool = False
+) -> Tile:
+    """The triangles of the cell's cycles, as in Figs. 8, 9 and 14; with `tube`, Fig. 10b."""
     separated = {"disconnect": 0b111111, "connect": 0, "mixed": decisions}[mode]
+    if tube and signs in DIAGONALS:
+        return Tile(_tube(*cycles(signs, separated)))
     triangles: list[Triangle] = []
     averages: list[Placement] = []
     for cycle in cycles(signs, separated):
@@ -153,14 +157,38 @@ def _cut(cycle: Polygon) -> tuple[Triangle, ...]:
     return tuple((first, a, b) for a, b in pairwise(others))
 
 
-def rule(mode: Mode, resolution: Resolution) -> Rule:
-    """The rule of one of the six surfaces.
+#: The signs of a cell in which two voxels alone are active that share one point.
+DIAGONALS = frozenset(1 << c | 1 << (7 - c) for c in range(4))
 
-    >>> rule("mixed", "H").name
-    'marching-vesta-mixed-H'
+
+def _tube(one: Polygon, other: Polygon) -> tuple[Triangle, ...]:
+    """The tube of Fig. 10b in place of the two opposite 3-cycles: six triangles round a diagonal.
+
+    The six dashed lines of the figure join each point of a cycle to the two points of the other
+    that lie on edges along other axes. Between two neighbouring lines there is one triangle, on a
+    side of one cycle, which runs as it ran in the cycle.
     """
-    name = f"marching-vesta-{mode}-{resolution}"
-    cut = partial(tile, mode=mode, resolution=resolution)
+    triangles: list[Triangle] = []
+    for cycle, opposite in ((one, other), (other, one)):
+        at = {axis_of(e): e for e in opposite}
+        for a, b in zip(cycle, cycle[1:] + cycle[:1], strict=True):
+            (third,) = {0, 1, 2} - {axis_of(a), axis_of(b)}
+            triangles.append((a, b, at[third]))
+    return tuple(triangles)
+
+
+def rule(mode: Mode, resolution: Resolution, tube: bool = False) -> Rule:
+    """The rule of one of the six surfaces; with `tube`, voxels that share a point are linked.
+
+    "If one nonetheless desires to establish a link between voxels that only share a single common
+    point one may insert a tubular template" (section II.E, Fig. 10b). The paper itself does not,
+    and neither do the six surfaces.
+
+    >>> rule("mixed", "H").name, rule("disconnect", "L", tube=True).name
+    ('marching-vesta-mixed-H', 'marching-vesta-disconnect-L-tube')
+    """
+    name = f"marching-vesta-{mode}-{resolution}" + ("-tube" if tube else "")
+    cut = partial(tile, mode=mode, resolution=resolution, tube=tube)
     if mode == "mixed":
         return Rule(name, cut, decisions, bits=6)
     return Rule(name, cut, no_decisions, asks=_never)

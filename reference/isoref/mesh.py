@@ -11,18 +11,47 @@ V, S    number of vertices and of simplices
 
 Invariants
 ----------
-Vertices are float64 (V, d), simplices are int64 (S, k + 1), every index is in range. A triangle's
-right-hand normal points from inside to outside, from high values to low ones.
+Vertices are float64 (V, d), simplices are int64 (S, k + 1), every index is in range. Where single
+precision was asked for they are float32 and int32. A triangle's right-hand normal points from
+inside to outside, from high values to low ones.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import Floats, Integers
+from isoref.field import FieldError, Floats, Integers
+
+Precision = Literal["single", "double"]
+
+#: What vertices and simplices are made of.
+NUMBER_TYPES: dict[str, tuple[type[Any], type[Any]]] = {
+    "single": (np.float32, np.int32),
+    "double": (np.float64, np.int64),
+}
+
+
+def number_types(precision: str, vertices: int = 0) -> tuple[type[Any], type[Any]]:
+    """What vertices and simplices are made of in this precision.
+
+    Raises
+    ------
+    FieldError
+        for another precision, or more vertices than its integers can number.
+
+    >>> [kind.__name__ for kind in number_types("single")]
+    ['float32', 'int32']
+    """
+    if precision not in NUMBER_TYPES:
+        raise FieldError(f"precision {precision!r} is not one of {', '.join(NUMBER_TYPES)}")
+    real, whole = NUMBER_TYPES[precision]
+    if vertices - 1 > np.iinfo(whole).max:
+        raise FieldError(f"{vertices:,} vertices are too many for {whole.__name__}; take double")
+    return real, whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +100,15 @@ class Mesh:
         Mesh(0 vertices in R^3, 0 simplices of dimension 2)
         """
         return cls(np.empty((0, d)), np.empty((0, k + 1), np.int64))
+
+    def in_precision(self, precision: Precision) -> Mesh:
+        """The same mesh of these number types, positions rounded; errors as of `number_types`.
+
+        >>> Mesh.empty(3, 2).in_precision("single").vertices.dtype
+        dtype('float32')
+        """
+        real, whole = number_types(precision, len(self.vertices))
+        return Mesh(self.vertices.astype(real), self.simplices.astype(whole))
 
     @property
     def dimension(self) -> int:

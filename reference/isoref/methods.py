@@ -28,7 +28,7 @@ from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
 from isoref.field import Field, check_isovalue
 from isoref.marching_tetrahedra import Split
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, Precision, number_types
 from isoref.rule import Rule
 from isoref.sweep import check_volume
 from isoref.vesta import SIX_SURFACES
@@ -84,19 +84,34 @@ def extract(
     spacing: float | Sequence[float] | None = None,
     origin: Sequence[float] | None = None,
     method: str = "asymptotic-decider",
+    precision: Precision = "double",
 ) -> Mesh:
     """The isosurface of an array, by the method of this name.
+
+    Parameters
+    ----------
+    values : (N1, N2, N3) real numbers; a `numpy.memmap` is read plane by plane by cube rules
+    isovalue : in the unit of the values
+    spacing, origin : of the lattice, as of `Field.of`
+    method : a name of `METHODS`
+    precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
+        libraries give, in half the memory
 
     Raises
     ------
     ValueError
         for a method that is not in the catalogue
     FieldError
-        for an array that is no field, or an isovalue that is no number
+        for an array that is no field, an isovalue that is no number, or an unknown precision
 
     >>> extract([[[1, 0], [0, 0]], [[0, 0], [0, 0]]], 0.5)
     Mesh(3 vertices in R^3, 1 simplices of dimension 2)
     """
     if method not in METHODS:
         raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
-    return METHODS[method](Field.of(values, spacing, origin), isovalue)
+    number_types(precision)
+    field = Field.of(values, spacing, origin)
+    if method in RULES:
+        return sweep(RULES[method], field, isovalue, precision)
+    mesh = METHODS[method](field, isovalue)
+    return mesh if precision == "double" else mesh.in_precision(precision)

@@ -19,7 +19,8 @@ decisions   an integer of `Rule.bits` bits; by custom bit f says that the inside
 node        0 .. 11 the point where the surface crosses that edge; 12, 13, .. interior points
 placement   how an interior point is placed: from g (8, n) and the crossings (12, n, 3), in
             coordinates of the cell (0 .. 1 on each axis; NaN on an edge that is not crossed), to
-            n points (n, 3)
+            n points (n, 3). One that does not look at the crossings may say so, and spare them:
+            it has an attribute `asks_crossings` that is False
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -483,6 +483,8 @@ class OnWaist:
 
     corner: int
     swap: int
+
+    asks_crossings: ClassVar[bool] = False
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points, (n, 3)."""

@@ -21,10 +21,11 @@ from isoref.cycles import Triangle, cycles
 from isoref.dual import DualRule
 from isoref.fast import dual
 from isoref.fast.sweep import sweep
-from isoref.field import Array, Field, Floats, Integers
+from isoref.field import Array, Field, Floats, Integers, check_isovalue
 from isoref.marching_tetrahedra import Split
 from isoref.methods import METHODS
 from isoref.rule import Rule, Tile
+from isoref.sweep import check_volume
 
 Spacing = Sequence[float]
 Answer = tuple[Any, Any]
@@ -59,6 +60,14 @@ def by_method(name: str, values: Array, isovalue: float, spacing: Spacing) -> An
     return mesh.vertices, mesh.simplices
 
 
+def checked(values: Array, isovalue: float) -> Array:
+    """The samples, where they are those of a scalar volume and the isovalue is a number."""
+    field = Field.of(values)
+    check_volume(field)
+    check_isovalue(isovalue)
+    return field.values
+
+
 def in_soup(vertices: Floats, faces: Integers) -> Answer:
     """Every face with corners of its own."""
     size = faces.shape[1]
@@ -68,6 +77,7 @@ def in_soup(vertices: Floats, faces: Integers) -> Answer:
 CUBES = "asymptotic-decider"
 HALF_INSIDE = {"inset": 0.5, "end": "open"}
 SOUP = {"soup": 1e-9}
+NOT_MANIFOLD = ["topology.manifold"]
 TYPES = ["bool", "uint8", "int8", "uint16", "int16", "uint32", "int32"]
 FLOATS = ["float16", "float32", "float64"]
 
@@ -182,19 +192,19 @@ def quads(rule: DualRule, values: Array, isovalue: float, spacing: Spacing) -> A
     return dual.quads(rule, Field.of(values, spacing), isovalue)
 
 
-@correct(vertices="cells", domain=HALF_INSIDE, level=1)
+@correct(vertices="cells", domain=HALF_INSIDE, not_promised=NOT_MANIFOLD)
 def nets(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """Naive surface nets: closed, but edges of four triangles at ambiguous faces."""
     return by_method("surface-nets", values, isovalue, spacing)
 
 
-@correct(vertices="cells", domain=HALF_INSIDE, level=1)
+@correct(vertices="cells", domain=HALF_INSIDE, not_promised=NOT_MANIFOLD)
 def nets_of_quads(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """The same in quadrilaterals."""
     return quads(surface_nets.RULE, values, isovalue, spacing)
 
 
-@correct(vertices="cells", domain=HALF_INSIDE, level=1, mesh=SOUP)
+@correct(vertices="cells", domain=HALF_INSIDE, not_promised=NOT_MANIFOLD, mesh=SOUP)
 def nets_in_soup(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """The same, each triangle with corners of its own."""
     return in_soup(*nets(values, isovalue, spacing))
@@ -274,8 +284,7 @@ def label_cubes_in_soup(values: Array, isovalue: float, spacing: Spacing) -> Ans
 @correct(interpolant="labels", vertices="cells", domain=HALF_INSIDE)
 def dual_cubes_of_labels(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """Dual marching cubes of inside and outside, as label filters with vertices in cells."""
-    checked = Field.of(values, spacing)
-    inside = np.where(checked.values >= isovalue, 1.0, -1.0)
+    inside = np.where(checked(values, isovalue) >= isovalue, 1.0, -1.0)
     return dual_cubes(inside, 0.0, spacing)
 
 
@@ -292,9 +301,8 @@ def resampled(
     Its samples lie `step` cells apart or a little less, from `inset` behind the first sample of the
     field to `inset` before the last.
     """
-    field = Field.of(values, spacing)
-    samples, steps = field.values.astype(np.float64), []
-    for axis, n in enumerate(field.shape):
+    samples, steps = checked(values, isovalue).astype(np.float64), []
+    for axis, n in enumerate(values.shape):
         span = n - 1 - 2 * inset
         own = int(np.ceil(span / step - 1e-9)) + 1
         if own < 2:
@@ -372,7 +380,7 @@ def index_units(values: Array, isovalue: float, spacing: Spacing) -> Answer:
 @correct(conventions={"tie": "outside"}, limits={"types": [*TYPES, *FLOATS]})
 def ties_outside(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """A sample equal to the isovalue counts as low; takes types that float64 holds exactly."""
-    vertices, faces = cubes(-Field.of(values).values.astype(np.float64), -isovalue, spacing)
+    vertices, faces = cubes(-checked(values, isovalue).astype(np.float64), -isovalue, spacing)
     return vertices, faces[:, ::-1]
 
 
@@ -477,7 +485,7 @@ def all_otherwise(values: Array, isovalue: float, spacing: Spacing) -> Answer:
 @correct(domain={"inset": 1, "end": "open"})
 def cropped(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """Leaves the outermost layer of cells out: the surface ends one cell inside."""
-    inner = Field.of(values).values[1:-1, 1:-1, 1:-1]
+    inner = checked(values, isovalue)[1:-1, 1:-1, 1:-1]
     if not inner.size:
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     vertices, faces = cubes(inner, isovalue, spacing)
@@ -492,7 +500,7 @@ def capped_outside(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     in its middle where the border sample is inside, and nowhere else; a sample on the isovalue is
     cut off just behind the border sample.
     """
-    relative = Field.of(values).values.astype(np.float64) - isovalue
+    relative = checked(values, isovalue).astype(np.float64) - isovalue
     padded = np.pad(relative, 1, mode="edge")
     beyond = np.ones(padded.shape, bool)
     beyond[1:-1, 1:-1, 1:-1] = False
@@ -525,4 +533,4 @@ def periodic(values: Array, isovalue: float, spacing: Spacing) -> Answer:
 
     Vertices run from 0 to N samples; those in the last plane repeat those in the first.
     """
-    return cubes(np.pad(Field.of(values).values, (0, 1), mode="wrap"), isovalue, spacing)
+    return cubes(np.pad(checked(values, isovalue), (0, 1), mode="wrap"), isovalue, spacing)

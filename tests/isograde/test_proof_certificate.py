@@ -139,13 +139,12 @@ def test_every_single_change_of_a_tile_is_refused() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PROVED)
 def test_every_single_change_of_a_sample_is_refused(name: str) -> None:
-    """Tiles at random, the largest one among them, of every rule."""
+    """Of every rule the largest tile and one at random; of large certificates every few changes."""
     tiles = content_of(name)["tiles"]
     largest = max(range(len(tiles)), key=lambda n: len(tiles[n][3]))
-    sample = np.random.default_rng(7).integers(0, len(tiles), 3).tolist()
-    step = len(tiles) // 200  # Reading a large certificate takes as much longer.
-    tried, accepted = accepted_after(name, [largest, *sample], step)
-    assert tried > 250
+    some = int(np.random.default_rng(7).integers(0, len(tiles)))
+    tried, accepted = accepted_after(name, [largest, some], step=len(tiles) // 60)
+    assert tried > 50
     assert accepted == []
 
 

@@ -53,7 +53,10 @@ def test_a_fan_is_a_run_of_inner_edges_round_the_polygon() -> None:
     for kept in product((False, True), repeat=6):
         inner = frozenset(e for e, keep in zip(polygon, kept, strict=True) if keep)
         runs = fans(polygon, inner)
-        assert sorted(e for run in runs for e in run) == sorted(inner)
+        assert sorted(e for run in runs for e in run.quads) == sorted(inner)
+        assert sorted(e for run in runs for e in run.crossings) == (
+            sorted(polygon) if inner else []
+        )
         breaks = sum(not kept[i] and kept[(i + 1) % 6] for i in range(6))
         assert len(runs) == (breaks or bool(inner))
 

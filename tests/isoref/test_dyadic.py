@@ -1,8 +1,17 @@
 """The dyadic tree, as the article walks it: box by box."""
 
 import numpy as np
+import pytest
 from isoref import Field
-from isoref.dyadic import LipschitzBound, Samples, dyadic_tree, extract_dyadic, local_slopes
+from isoref.dyadic import (
+    LipschitzBound,
+    Samples,
+    SlopeBound,
+    dyadic_tree,
+    extract_dyadic,
+    local_slopes,
+)
+from isoref.field import FieldError, Floats, Integers
 from isoref.simplicial import extract
 
 
@@ -37,3 +46,28 @@ def test_a_surface_that_is_nowhere_is_found_out_at_the_first_box() -> None:
     field = Field.of(np.full((9, 9), 5.0) + np.indices((9, 9))[0] * 0.1)
     tree = dyadic_tree(Samples.of_field(field), LipschitzBound(0.1), test="corners")
     assert (tree.tested, len(tree.boxes[0])) == (1, 0)
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), -1.0, -float("inf")])
+def test_a_constant_that_bounds_nothing_is_refused(wrong: float) -> None:
+    """NaN and negative numbers would rule out every box: an empty mesh, and no word."""
+    field = Field.of(np.indices((9, 9)).sum(axis=0) - 7.5)
+    samples = Samples.of_field(field)
+    with pytest.raises(FieldError, match="bounds nothing"):
+        LipschitzBound(wrong)
+    with pytest.raises(FieldError, match="bounds nothing"):
+        SlopeBound(np.array([[1.0, wrong]]))
+
+    def slopes(low: Integers, high: Integers) -> Floats:
+        return np.full((len(low), 1, 2), wrong)
+
+    with pytest.raises(FieldError, match="bounds nothing"):
+        extract_dyadic(samples, SlopeBound(slopes))
+
+
+def test_an_infinite_slope_rules_nothing_out() -> None:
+    """Min's section 7.2 has a function that no slope bounds."""
+    field = Field.of(np.indices((9, 9)).sum(axis=0) - 7.5)
+    bound = SlopeBound(np.full((1, 2), np.inf))
+    mesh = extract_dyadic(Samples.of_field(field), bound)
+    assert len(mesh.simplices) == len(extract(field).simplices) > 0

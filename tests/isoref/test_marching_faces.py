@@ -18,7 +18,7 @@ from isoref.marching_faces import (
 )
 from isoref.sweep import lattice_edge
 
-RULES: tuple[FaceRule, ...] = ("gradient", "asymptotic", "separated", "joined")
+RULES: tuple[FaceRule, ...] = ("gradient", "middle", "asymptotic", "separated", "joined")
 
 
 def test_a_face_is_in_the_face_table_where_its_corners_differ() -> None:

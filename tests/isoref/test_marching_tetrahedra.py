@@ -13,6 +13,11 @@ from isoref.cube import CORNERS
 from isoref.field import Array, Field, FieldError, Floats
 from isoref.marching_tetrahedra import FIVE, KUHN, Split, Tetrahedron, section, surface
 from isoref.methods import METHODS, SPLITS
+from scipy.spatial import cKDTree
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkFiltersCore import vtkContourGrid
+from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
 
 from tests.isoref.counting import edges, fans
 
@@ -212,6 +217,27 @@ def test_closed_manifold_and_without_crossings(split: Split, seed: int) -> None:
         assert set(fans(mesh.simplices, len(mesh.vertices)).tolist()) == {1}
         if values[0, 0, 0] != round(values[0, 0, 0]):
             assert len(self_intersections(mesh.vertices, mesh.simplices)) == 0
+
+
+def test_five_is_what_vtk_draws_of_a_volume_cut_into_tetrahedra() -> None:
+    """An independent implementation: the same alternation, crossings and number of triangles."""
+    values = noise((8, 9, 7), seed=2)
+    image = vtkImageData()
+    image.SetDimensions(*values.shape[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(values.reshape(-1)))
+    cut, contour = vtkDataSetTriangleFilter(), vtkContourGrid()
+    cut.SetInputData(image)
+    contour.SetInputConnection(cut.GetOutputPort())
+    contour.SetValue(0, 0.1)
+    contour.Update()
+    theirs = contour.GetOutput()
+    mesh = surface(FIVE, Field.of(values), 0.1)
+    assert theirs.GetNumberOfCells() == len(mesh.simplices) > 1000
+    points = np.asarray(vtk_to_numpy(theirs.GetPoints().GetData()), float)[:, ::-1]
+    assert len(points) == len(mesh.vertices)
+    nearest, place = cKDTree(points).query(mesh.vertices)
+    assert np.max(nearest) < 1e-5
+    assert len(np.unique(place)) == len(points)
 
 
 @EVERY

@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+from isograde.oracles.complexes import Complex
+from isograde.proof import prove
 from isoref import cycles as general
 from isoref.cube import CORNERS, ambiguous_faces, corner_at
 from isoref.diconex import Mode
@@ -16,6 +18,7 @@ from isoref.fast.sweep import sweep
 from isoref.field import Field, Integers
 from isoref.marching_vesta import (
     CENTRES,
+    DIAGONALS,
     JUNCTURES,
     ORDER,
     PATHS,
@@ -170,3 +173,27 @@ def test_plain_and_vectorised_sweeps_agree(mode: Mode, resolution: Resolution) -
 def test_there_are_six_rules() -> None:
     """Section II.E: six different types of surfaces."""
     assert len({r.name for r in RULES}) == 6
+
+
+@pytest.mark.parametrize(("mode", "resolution"), SIX_SURFACES)
+def test_a_tube_links_voxels_that_share_a_point(mode: Mode, resolution: Resolution) -> None:
+    """Fig. 10: two octahedra without the tube, one closed surface of a sphere with it."""
+    values = np.zeros((4, 4, 4))
+    values[1, 1, 1] = values[2, 2, 2] = 1
+    apart = sweep(rule(mode, resolution), Field.of(values), 0.5)
+    linked = sweep(rule(mode, resolution, tube=True), Field.of(values), 0.5)
+    two, one = (Complex.of(m.vertices, m.simplices) for m in (apart, linked))
+    assert (two.components, two.euler) == (2, 4)
+    assert (one.components, one.euler) == (1, 2)
+    assert len(one.open_facets) == len(one.misdirected_facets) == len(one.crowded_facets) == 0
+    assert len(linked.simplices) == len(apart.simplices) - 2 + 6
+    assert one.enclosed > two.enclosed > 0
+
+
+def test_a_tube_keeps_surfaces_closed_and_oriented() -> None:
+    """By enumeration of all tiles that can meet; and the complement of two voxels has no tube."""
+    assert prove(rule("mixed", "L", tube=True)).holds
+    plain, tubed = rule("disconnect", "L"), rule("disconnect", "L", tube=True)
+    changed = [s for s in range(256) if plain.tile(s, 0) != tubed.tile(s, 0)]
+    assert changed == sorted(DIAGONALS)
+    assert all(s.bit_count() == 2 for s in changed)

@@ -139,7 +139,9 @@ def test_the_whole_program_runs_without_real_data(
     report = tmp_path / "ljung_ynnerman.md"
     tables = reproduce.main(24, (13, 17, 25), 2, report)
     text = report.read_text(encoding="utf-8")
-    assert len(tables) == 7
+    assert len(tables) == 9
+    assert "## Ambiguous faces: the rules beside the true field" in text
+    assert "readings fit the print" in text
     assert "## The greedy joining's threshold" in text
     assert "Skipped: no pictures here." in text
     assert "Skipped: phase vortices in real data" in text
@@ -156,3 +158,43 @@ def test_phase_vortices_of_the_real_volume(
     table, _ = vortices.vortices(*vortices.complex_mri(data), Path())
     assert [row.ours for row in table.rows if "winding" in row.what] == [0, 0, 0]
     assert next(row.ours for row in table.rows if row.what == "echo 3: points") > 50
+
+
+def test_gradients_at_the_four_points_are_right_more_often_than_the_saddle(
+    module: Callable[[str], ModuleType],
+) -> None:
+    """Section 6, on random waves: the middle of the face is worse than chance, p_j the best."""
+    found = module("ljung_faces").compared(45.0, range(1))
+    assert found.faces > 150
+    share = {rule: right / found.faces for rule, right in found.right.items()}
+    assert max(share, key=lambda rule: share[rule]) == "gradient"
+    assert share["gradient"] > share["asymptotic"] + 0.03
+    assert share["middle"] < 0.5
+
+
+def test_tables_2_and_3_as_printed_lose_counts_and_break_curves(
+    module: Callable[[str], ModuleType],
+) -> None:
+    """Line 4 leaves I_L unset; line 10 makes curves of single segments, called closed."""
+    segments, unset, curves, closed = module("ljung_misprints").report().rows
+    assert segments.verdict == "exact"
+    assert unset.ours < unset.expected
+    assert curves.ours > curves.expected == 1
+    assert closed.ours > closed.expected == 0
+
+
+def test_every_reading_of_the_lines_is_counted(
+    reproduce: ModuleType, module: Callable[[str], ModuleType]
+) -> None:
+    """Small: a row a reading, its five columns with z-scores, and a sentence that counts."""
+
+    def match(sampler: object, side: int, seed: int) -> float:
+        return 6.0
+
+    lines = module("ljung_lines")
+    printed = [99.2, 0.15, 0.24, 0.26, 0.12, 0.03]
+    text, fitting = lines.readings(reproduce.SAMPLERS, 20, range(2), printed, match)
+    rows = [line for line in text.splitlines() if line.startswith(("| eq. 5", "| eq. 6"))]
+    assert len(rows) > 10
+    assert all(row.count("(") >= 5 for row in rows)
+    assert f"{len(fitting)} of {len(rows)} readings fit the print" in text

@@ -1,29 +1,27 @@
-"""Dual surfaces, vectorised: the mesh of `isoref.dual`, number for number.
+"""Dual surfaces, vectorised: the mesh of `isoref.dual`, vertex by vertex and row by row.
 
-Only active cells are worked on once they are found. What a rule says of a cell depends on a key of
-fifteen bits, so each rule is asked once for each key that occurs, and its answers are laid out as
-tables that all cells are looked up in at once.
+What a rule says of a cell depends on a key of fifteen bits, so a rule is asked once for each key
+that occurs, and its answers are laid out as tables. Then each crossed lattice edge is visited once:
+it adds its crossing to the vertices of the four cells round it, and joins them.
 
 Glossary
 --------
 key         of a cell: signs + 256 * turned + 512 * border (`isoref.dual`)
-slot        12 * (number of an active cell) + edge: a possible corner of a quadrilateral
+slot        of a vertex: a place among all vertices; those of a cell follow one another
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from isoref.cube import CORNER_OFFSETS
+from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.dual import ROUND, DualRule, in_triangles
 from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue, inside_samples
 from isoref.mesh import Mesh
-from isoref.sweep import cell_crossings, check_volume
-
-# Active cells whose crossings are held at once.
-BLOCK_CELLS = 1 << 15
+from isoref.sweep import check_volume, crossing_parameter
 
 
 def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
@@ -37,15 +35,21 @@ def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Intege
     alpha = check_isovalue(isovalue)
     if min(field.shape) < 2:
         return np.empty((0, 3)), np.empty((0, 4), np.int64)
-    inside = inside_samples(field, alpha)
+    inside = np.ascontiguousarray(inside_samples(field, alpha))
     cells = _Cells.of(rule, inside)
     tables = _Tables.of(rule, cells.keys)
-    first = np.cumsum(tables.count[cells.rows]) - tables.count[cells.rows]
-    vertices = np.empty((int(tables.count[cells.rows].sum()), 3))
-    for start in range(0, len(cells.points), BLOCK_CELLS):
-        block = slice(start, start + BLOCK_CELLS)
-        _place(field, alpha, cells, tables, first, block, vertices)
-    return vertices, _join(inside, cells, tables, first)
+    count = tables.count[cells.rows]
+    first = np.cumsum(count) - count
+    total, rows = np.zeros((3, int(count.sum()))), []
+    for edges in _crossed_edges(field, alpha, inside):
+        corners = _corners(edges, cells, tables, first, inside.shape)
+        for slot in corners:
+            real = slot >= 0
+            share = np.bincount(slot[real], edges.t[real], minlength=total.shape[1])
+            total[edges.axis] += share
+        rows.append(_rows(edges, corners, inside))
+    vertices = _placed(field, cells, tables, total)
+    return vertices, np.concatenate(rows)
 
 
 @dataclass(frozen=True)
@@ -67,7 +71,7 @@ class _Cells:
     def of(cls, rule: DualRule, inside: Booleans) -> _Cells:
         """The cells with corners on both sides."""
         signs = cell_signs(inside)
-        index = np.nonzero((signs != 0) & (signs != 255))
+        index = np.unravel_index(np.flatnonzero((signs + 1) > 1), signs.shape)
         keys = signs[index].astype(np.int64)
         keys |= _turned(rule, signs, index).astype(np.int64) << 8
         for a in range(3):
@@ -119,70 +123,101 @@ def _face(rule: DualRule, signs: int) -> int:
 
 @dataclass(frozen=True)
 class _Tables:
-    """What the rule says of each key that occurs.
+    """What the rule says of each of K keys.
 
     count : (K,) vertices
-    corner : (K, 12) the vertex that is a corner of the quadrilateral across an edge, or -1
-    crossings : for each row (k, v, e) of vertex v of key k: e is one of its crossings
+    vertex : (12 K,) which of them the crossing on an edge counts for, 12 k + e; -1 for none
+    start : (K,) its first vertex among those of all keys
+    crossings : (v,) how many crossings each vertex of a key has
+    low : (3, v) the sum of the lower ends of their edges, in coordinates of the cell
     """
 
     count: Integers
-    corner: Array
-    crossings: list[list[tuple[int, ...]]]
+    vertex: Array
+    start: Integers
+    crossings: Integers
+    low: Integers
 
     @classmethod
     def of(cls, rule: DualRule, keys: Integers) -> _Tables:
         """The rule, asked once for each key."""
         found = [rule.patches(k & 255, bool(k >> 8 & 1), k >> 9) for k in keys.tolist()]
-        corner = np.full((len(keys), 12), -1, np.int8)
+        vertex = np.full((len(keys), 12), -1, np.int8)
         for k, patches in enumerate(found):
             for v, patch in enumerate(patches):
-                corner[k, list(patch.quads)] = v
+                vertex[k, list(patch.crossings)] = v
         count = np.array([len(patches) for patches in found], np.int64)
-        return cls(count, corner, [[patch.crossings for patch in patches] for patches in found])
+        every = [list(patch.crossings) for patches in found for patch in patches]
+        lower = CORNER_OFFSETS[EDGE_CORNERS[:, 0]]
+        low = np.array([lower[edges].sum(axis=0) for edges in every], np.int64).reshape(-1, 3)
+        crossings = np.array([len(edges) for edges in every], np.int64)
+        return cls(count, vertex.reshape(-1), np.cumsum(count) - count, crossings, low.T)
 
 
-def _place(
-    field: Field,
-    alpha: float,
-    cells: _Cells,
-    tables: _Tables,
-    first: Integers,
-    block: slice,
-    vertices: Floats,
-) -> None:
-    """Write the vertices of a block of cells."""
-    shape = field.shape
-    index = np.array(np.unravel_index(cells.points[block], shape))
-    samples = np.array([field.values[tuple(index + o[:, None])] for o in CORNER_OFFSETS])
-    crossings = cell_crossings(samples.astype(np.float64) - alpha)
-    # Take the cells of one key together: they share their patches.
-    rows = cells.rows[block]
-    order = np.argsort(rows, kind="stable")
-    for same in np.split(order, np.flatnonzero(np.diff(rows[order])) + 1):
-        for v, patch in enumerate(tables.crossings[rows[same[0]]] if len(same) else []):
-            inner = crossings[np.array(patch)[:, None], same].mean(axis=0)
-            vertices[first[block][same] + v] = field.position(index[:, same].T + inner)
+@dataclass(frozen=True)
+class _Edges:
+    """The crossed lattice edges of an axis, in C order of their lower ends.
+
+    low : (E,) flat index of the lower end; index (3, E) its coordinates
+    t : (E,) where they are crossed
+    """
+
+    axis: int
+    low: Integers
+    index: Integers
+    t: Floats
 
 
-def _join(inside: Booleans, cells: _Cells, tables: _Tables, first: Integers) -> Integers:
-    """The quadrilaterals across the crossed lattice edges that have one, (Q, 4)."""
-    shape = inside.shape
-    strides = np.array([shape[1] * shape[2], shape[2], 1])
-    flat = inside.reshape(-1)
-    parts = []
+def _crossed_edges(field: Field, alpha: float, inside: Booleans) -> Iterator[_Edges]:
+    """The crossed edges of each axis in turn."""
     for axis in range(3):
-        # Leave out the edges in the border: only three or fewer cells meet there.
-        window = tuple(slice(0, -1) if a == axis else slice(1, -1) for a in range(3))
-        beyond = tuple(slice(1, None) if a == axis else slice(1, -1) for a in range(3))
-        crossed = np.nonzero(inside[window] != inside[beyond])
-        low = sum((i + (a != axis)) * strides[a] for a, i in enumerate(crossed))
-        low = np.asarray(low, np.int64)
-        quad = np.empty((len(low), 4), np.int64)
-        for place, (step, e) in enumerate(ROUND[axis]):
-            cell = cells.number[low - int(np.dot(step, strides))]
-            quad[:, place] = first[cell] + tables.corner[cells.rows[cell], e]
-        reverse = ~flat[low]
-        quad[reverse] = quad[reverse][:, [0, 3, 2, 1]]
-        parts.append(quad)
-    return np.concatenate(parts)
+        here = (slice(None),) * axis + (slice(None, -1),)
+        there = (slice(None),) * axis + (slice(1, None),)
+        crossed = inside[here] != inside[there]
+        index = np.array(np.unravel_index(np.flatnonzero(crossed), crossed.shape))
+        beyond = index + (np.arange(3) == axis)[:, None]
+        low, high = (field.values[tuple(i)].astype(np.float64) - alpha for i in (index, beyond))
+        flat = np.ravel_multi_index(tuple(index), inside.shape)
+        yield _Edges(axis, np.asarray(flat), index, crossing_parameter(low, high))
+
+
+def _corners(
+    edges: _Edges, cells: _Cells, tables: _Tables, first: Integers, shape: tuple[int, ...]
+) -> Integers:
+    """The slots of the vertices in the four cells round each edge, (4, E); -1 for none."""
+    strides = np.array([shape[1] * shape[2], shape[2], 1])
+    corners = np.full((4, len(edges.low)), -1, np.int64)
+    for out, (step, e) in zip(corners, ROUND[edges.axis], strict=True):
+        # Leave out the cells that a border edge lacks.
+        exists = np.ones(len(edges.low), np.bool_)
+        for a in range(3):
+            if a != edges.axis:
+                exists &= edges.index[a] > 0 if step[a] else edges.index[a] < shape[a] - 1
+        some = np.flatnonzero(exists)
+        cell = cells.number[edges.low[some] - int(np.dot(step, strides))]
+        vertex = tables.vertex[12 * cells.rows[cell] + e]
+        out[some] = np.where(vertex >= 0, first[cell] + vertex, -1)
+    return corners
+
+
+def _rows(edges: _Edges, corners: Integers, inside: Booleans) -> Integers:
+    """The quadrilaterals across the edges that have four cells, (Q, 4), from high to low."""
+    shape = inside.shape
+    inner = np.ones(len(edges.low), np.bool_)
+    for a in range(3):
+        if a != edges.axis:
+            inner &= (edges.index[a] > 0) & (edges.index[a] < shape[a] - 1)
+    rows = corners[:, inner].T
+    turned = ~inside.reshape(-1)[edges.low[inner]]
+    rows[turned] = rows[turned][:, [0, 3, 2, 1]]
+    return np.ascontiguousarray(rows)
+
+
+def _placed(field: Field, cells: _Cells, tables: _Tables, total: Floats) -> Floats:
+    """The vertices, from the sums of their crossings' parameters, (V, 3)."""
+    count = tables.count[cells.rows]
+    cell = np.repeat(np.arange(len(count)), count)
+    begin = np.cumsum(count) - count
+    kind = tables.start[cells.rows][cell] + np.arange(len(cell)) - begin[cell]
+    index = np.array(np.unravel_index(cells.points[cell], field.shape))
+    return field.position((index + (tables.low[:, kind] + total) / tables.crossings[kind]).T)

@@ -30,7 +30,14 @@ from isoref.cube import FACE_EDGES as FACE_EDGES_OF_CUBE
 from isoref.curves import Curve, curves_through, follow, real_and_imaginary
 from isoref.cycles import segments
 from isoref.field import Array, Booleans, Field, Floats, Integers, least_inside
-from isoref.marching_faces import FacePoints, FaceRule, edge_across, isosurfaces, number_of_cells
+from isoref.marching_faces import (
+    FacePoints,
+    FaceRule,
+    edge_across,
+    isosurfaces,
+    number_of_cells,
+    units,
+)
 
 # Voxels classified at once; their configurations then stay in the cache.
 SLAB = 1 << 20
@@ -197,14 +204,19 @@ class Pair:
             return result
         d = d[hard]
         result[hard] = asymptotic_decider.separated(*d.T)
-        if self.rule == "gradient":
-            # Sum in the order of the corners, which is the same from both sides of the face.
-            rising = np.take_along_axis(vertices[hard], RISING[faces[hard]][..., None], axis=1)
-            g = gradients(field, rising)
-            middle = (((g[:, 0] + g[:, 1]) + g[:, 2]) + g[:, 3]) / 4
-            rows, (u, v) = np.arange(len(hard)), WITHIN[faces[hard]].T
-            slope = middle[rows, u] * middle[rows, v]
-            result[hard] = np.where(slope == 0, result[hard], (slope > 0) == (d[:, 0] >= 0))
+        if self.rule in article.GRADIENT_RULES:
+            # Take the corners in the order that is the same from both sides of the face.
+            order = RISING[faces[hard]]
+            g = gradients(field, np.take_along_axis(vertices[hard], order[..., None], axis=1))
+            d = np.take_along_axis(d, order, axis=1)
+            for axis in range(3):
+                own = np.flatnonzero(AXES[faces[hard]] == axis)
+                within = [a for a in range(3) if a != axis]
+                slopes = g[own].transpose(1, 0, 2)[:, :, within]
+                h = np.array(field.spacing)[within]
+                against = article.GRADIENT_RULES[self.rule](d[own].T, slopes, h)
+                decided = (against < 0) == (d[own, 0] >= 0)
+                result[hard[own]] = np.where(against == 0, result[hard[own]], decided)
         return result
 
     def intersect(self, voxels: Integers, faces: Integers) -> tuple[Array, ...]:
@@ -227,10 +239,10 @@ class Pair:
         u, v = WITHIN[faces].T[..., None, None]
         weights = np.take_along_axis(factors, u, axis=2) * np.take_along_axis(factors, v, axis=2)
         g1, g2 = (
-            _unit((gradients(field, vertices) * weights).sum(axis=1)) for field, _ in self.sides
+            units((gradients(field, vertices) * weights).sum(axis=1)) for field, _ in self.sides
         )
         cross = np.cross(g1, g2)
-        return _unit(cross), np.minimum(np.linalg.norm(cross, axis=1), 1.0)
+        return units(cross), np.minimum(np.linalg.norm(cross, axis=1), 1.0)
 
 
 def voxel_configurations(inside: Booleans) -> NDArray[np.uint8]:
@@ -253,8 +265,8 @@ def gradients(field: Field, indices: Integers) -> Floats:
         above, below = indices.copy(), indices.copy()
         above[..., axis] = np.minimum(indices[..., axis] + 1, field.shape[axis] - 1)
         below[..., axis] = np.maximum(indices[..., axis] - 1, 0)
-        rise = _gather(field.values, above) - _gather(field.values, below)
-        result[..., axis] = rise / ((above - below)[..., axis] * field.spacing[axis])
+        half = _gather(field.values, above) / 2 - _gather(field.values, below) / 2
+        result[..., axis] = half / ((above - below)[..., axis] * field.spacing[axis] / 2)
     return result
 
 
@@ -453,10 +465,3 @@ def _gather(values: Array, indices: Integers) -> Floats:
     """Samples at lattice indices (.., 3), as float64."""
     gathered: Floats = values[indices[..., 0], indices[..., 1], indices[..., 2]].astype(np.float64)
     return gathered
-
-
-def _unit(vectors: Floats) -> Floats:
-    """Vectors (P, 3) of length 1; those of length 0 stay as they are."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-    return unit

@@ -2,8 +2,9 @@
 
 Simplices whose vertices have the same signs are cut alike, so a section is one look-up in the table
 for each pattern of signs that occurs. Vertices are made one by sorting keys. Cells are cut a block
-at a time; where the mesh would not fit into the memory there is, a trial on a share of the cells
-says so beforehand.
+at a time. How many are cut together follows from the memory there is and from what a simplex can
+become at most, before anything is cut; where the mesh would not fit, a trial on a share of the
+cells says so.
 
 Glossary
 --------
@@ -16,7 +17,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from math import factorial
+from dataclasses import dataclass
+from math import comb, factorial
 from pathlib import Path
 
 import numpy as np
@@ -100,20 +102,117 @@ def section_of_cells(
 
     `sample` gives the values (P, m), minus the isovalue, of the samples with numbers (P,).
     """
+    n, m = len(shape), sample(np.zeros(1, np.int64)).shape[1]
+    allowed = allowed_memory(memory)
+    at_once = Portions.within(allowed, n, m)
 
-    def cut(block: Integers) -> Iterator[Complex]:
-        return successive_sections(kuhn_complex(shape, block, sample), rule, epsilon)
+    def cut(block: Integers) -> Iterator[Iterator[Complex]]:
+        whole = kuhn_complex(shape, block, sample)
+        for start in range(0, max(len(whole.simplices), 1), at_once.simplices):
+            portion = portion_of(whole, slice(start, start + at_once.simplices))
+            yield successive_sections(portion, rule, epsilon)
 
-    block = -(-BLOCK // factorial(len(shape)))
-    needed, allowed = estimated_bytes(cut, cells, block), allowed_memory(memory)
+    needed = estimated_bytes(cut, cells, at_once)
     check_memory(needed, allowed, f"the isosurface in {len(cells):,} cells")
-    starts = range(0, max(len(cells), 1), block)
     parts = []
-    for start in starts:
-        for complex_ in cut(cells[start : start + block]):
-            last = complex_
-        parts.append(last)
+    for start in range(0, max(len(cells), 1), at_once.cells):
+        for stages in cut(cells[start : start + at_once.cells]):
+            for complex_ in stages:
+                last = complex_
+            parts.append(last)
     return united(parts)
+
+
+@dataclass(frozen=True)
+class Portions:
+    """How much is cut together, so that it fits into the memory whatever the samples are.
+
+    cells : cells whose Kuhn simplices are listed together
+    simplices : of these, how many are cut together
+    bytes : the most that cutting them takes
+    """
+
+    cells: int
+    simplices: int
+    bytes: float
+
+    @classmethod
+    def within(cls, allowed: int, n: int, m: int) -> Portions:
+        """The largest portions up to `BLOCK` simplices that take no more than half of `allowed`.
+
+        Bounded before anything is listed or cut: the simplices of a cell by n!, what becomes of a
+        simplex by the largest tables of each dimension (`cut_bytes`).
+
+        Raises
+        ------
+        FieldError
+            where a single cell cannot be listed, or a single simplex not be cut.
+        """
+        cell, simplex = kuhn_bytes(n, m), cut_bytes(n, m)
+        check_memory(cell, allowed, f"listing the {factorial(n):,} simplices of a cell")
+        check_memory(simplex, allowed, f"cutting one simplex of dimension {n}")
+        simplices = int(min(BLOCK, max(allowed / 2 // simplex, 1)))
+        cells = int(min(-(-BLOCK // factorial(n)), max(allowed / 2 // cell, 1)))
+        return cls(cells, simplices, simplex * simplices)
+
+
+def kuhn_bytes(n: int, m: int) -> float:
+    """A bound of the bytes for the Kuhn simplices of one cell: tables and rows of n + 1 numbers.
+
+    The tables of permutations and chains, made from a list of tuples, and the rows of a cell in
+    which every simplex is kept, stand beside each other.
+    """
+    rows = factorial(n) * 8.0 * (n + 1)
+    return 8 * rows + (1 << n) * 8.0 * (n + m + 4)
+
+
+def cut_bytes(n: int, m: int) -> float:
+    """A bound of the bytes for cutting one n-simplex by m components, one after the other.
+
+    A section of dimension k - 1 has at most C(k - 1, floor((k - 1) / 2)) simplices (corollary 3.2)
+    and as many vertices as edges are crossed, at most floor((k + 1)^2 / 4). So n_1 <= 6, n_2 <= 18,
+    n_3 <= 36 for n = 5, as section 4 of the paper says.
+    """
+    most = bytes_of_rows(1, n + 1, n + 1, n, m, 0)
+    for s, rows in enumerate(most_pieces(n, m), start=1):
+        k = n - s + 1
+        before = most_pieces(n, m)[s - 2] if s > 1 else 1
+        vertices = before * ((k + 1) ** 2 // 4)
+        most = max(most, bytes_of_rows(rows, k, vertices, n, m - s, s))
+    return CUTTING * most
+
+
+def most_pieces(n: int, m: int) -> list[int]:
+    """The most simplices that one n-simplex can leave after 1, 2, .. m cuts.
+
+    >>> most_pieces(5, 3)
+    [6, 18, 36]
+    """
+    pieces, found = 1, []
+    for k in range(n, n - m, -1):
+        pieces *= comb(k - 1, (k - 1) // 2)
+        found.append(pieces)
+    return found
+
+
+def bytes_of_rows(rows: int, size: int, vertices: int, n: int, left: int, cuts: int) -> float:
+    """The bytes of a complex of so many rows of `size` vertices, with `left` values at each."""
+    return 8.0 * (rows * (size + 2) + vertices * (n + left + (1 << cuts)))
+
+
+def portion_of(complex_: Complex, rows: slice) -> Complex:
+    """The complex of some of the simplices, with the vertices they use."""
+    if rows.start == 0 and rows.stop >= len(complex_.simplices):
+        return complex_
+    used, places = np.unique(complex_.simplices[rows].ravel(), return_inverse=True)
+    return Complex(
+        complex_.names[used],
+        complex_.points[used],
+        complex_.values[used],
+        places.reshape(-1, complex_.simplices.shape[1]),
+        complex_.signs[rows],
+        complex_.parents[rows],
+    )
 
 
 def successive_sections(complex_: Complex, rule: str, epsilon: float | None) -> Iterator[Complex]:
@@ -288,15 +387,23 @@ def check_memory(needed: float, allowed: int, what: str) -> None:
 
 
 def estimated_bytes(
-    cut: Callable[[Integers], Iterator[Complex]], cells: Integers, block: int
+    cut: Callable[[Integers], Iterator[Iterator[Complex]]], cells: Integers, at_once: Portions
 ) -> float:
-    """About how many bytes the isosurface in these cells takes at the highest, from a trial."""
+    """About how many bytes the isosurface in these cells takes at the highest, from a trial.
+
+    The trial cuts the same portions, so that it stays within the memory itself.
+    """
     runs = min(max(len(cells) // (SHARE * RUN), LEAST_RUNS), MOST_RUNS)
     starts = np.linspace(0, max(len(cells) - RUN, 0), runs).astype(np.int64)
     tried = np.unique(starts[:, None] + np.arange(min(RUN, len(cells))))
-    sizes = [bytes_of(part) / max(len(tried), 1) for part in cut(cells[tried])]
-    whole, largest = sizes[-1] * len(cells), max(sizes) * min(block, len(cells))
-    return max(JOINING * whole, CUTTING * largest)
+    sizes: dict[int, float] = {}
+    for start in range(0, max(len(tried), 1), at_once.cells):
+        for stages in cut(cells[tried[start : start + at_once.cells]]):
+            for stage, part in enumerate(stages):
+                sizes[stage] = sizes.get(stage, 0.0) + bytes_of(part) / max(len(tried), 1)
+    whole = max(sizes.items())[1] * len(cells)
+    largest = max(sizes.values()) * min(at_once.cells, len(cells))
+    return max(JOINING * whole, min(CUTTING * largest, at_once.bytes))
 
 
 def bytes_of(complex_: Complex) -> int:

@@ -1,117 +1,244 @@
-"""The sweep, vectorised: the mesh of `isoref.sweep`, triangle by triangle.
+"""The sweep, vectorised: the triangles of `isoref.sweep`.
 
-It goes through the volume twice, in *slabs* of planes small enough that their intermediate arrays
-stay in the processor's cache. The first pass does what must be done for each voxel: it compares,
-and finds the few cells the surface passes through. Then the size of the mesh is known, and the
-second pass writes it into its final arrays, working on the active cells alone.
+Most of a volume is nowhere near the surface, so what must be done for each sample decides. Here
+that is little: compare it, and keep the answer as one *bit*. All that follows is asked of eight
+samples at once, a byte, or of sixty-four, a word::
+
+    samples     . . . I I I . .  . . I I I . . .       inside or not, a bit each
+    bits        00011100         00111000              one byte for eight samples
+    crossed     bits ^ bits of the next sample         along each axis in turn
+    active      crossed edges of a cell, joined by OR  not one cell has been looked at yet
+
+Only where a byte of *active* is not 0 are cells looked at. There the eight corners' bytes make one
+word of 8 x 8 bits, which is transposed: from a byte a corner to a byte a cell, its signs.
+
+The volume is passed once, in *slabs* of planes small enough that their bits stay in the processor's
+cache, and a slab in *parts* of so many cells that their numbers do. A part owns the cells between
+its planes, and the crossed edges of all its planes but the first, which the part before it owns:
+each crossing is numbered once, by a running count, and nothing has to be searched for. Nothing of a
+slab is kept but its last plane and the mesh so far, so a volume may be larger than the memory (a
+`numpy.memmap`, say).
 
 Glossary
 --------
-point       a lattice point, by its flat index in its slab
-cell        named by its lower corner's point
-signs       eight bits, one a corner: whether it is inside (`isoref.cube`)
-active      a cell with corners on both sides
-owner       each lattice edge belongs to the cell at its lower end, so no vertex is made twice and
-            none has to be searched for: vertices are numbered by a running count
-phantom     a cell beyond the upper border, whose missing samples repeat the border; it owns
-            edges of the border but makes no triangles
+row         the samples along axis 2, padded to a multiple of 8
+place       of a sample or a cell (its lower corner): flat index in the padded slab
+edge        3 * place of its lower end + axis
+signs       eight bits, one a corner of a cell: whether it is inside (`isoref.cube`)
+key         of a cell: signs + 256 * decisions; it names a tile
+group       the keys whose tiles have as many triangles, and interior points or none
 
 Weld rule: two triangles share a vertex when they cross the same lattice edge, and only then.
+Triangles come slab by slab, within a slab group by group; `sweep_with_cells` sorts them by cells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import threading
 from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
-from isoref.field import (
-    Array,
-    Booleans,
-    Field,
-    Floats,
-    Integers,
-    check_isovalue,
-    least_inside,
-)
-from isoref.mesh import Mesh
-from isoref.rule import Rule, Tile
+from isoref.cycles import Triangle
+from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
+from isoref.mesh import Mesh, Precision, number_types
+from isoref.rule import Average, Rule, Tile
 from isoref.sweep import cell_crossings, check_volume, crossing_parameter
 
-# Points of a slab and active cells worked on at once: a slab's bytes fit the processor's last
-# cache, the numbers of a block of cells nearly fit its second.
+Bytes = NDArray[np.uint8]
+
+# At most so many places in a slab, so that its bits and the numbers of its vertices fit the last
+# cache; so many samples compared at once, and about so many active cells, so that their arrays fit
+# the second.
 SLAB_POINTS = 1 << 20
-BLOCK_CELLS = 1 << 14
+CHUNK_POINTS = 1 << 17
+PART_CELLS = 3 << 13
 
 
-def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
-    """The rule's surface; see `isoref.sweep.sweep`."""
-    return _swept(rule, field, isovalue, with_cells=False)[0]
+def sweep(rule: Rule, field: Field, isovalue: float, precision: Precision = "double") -> Mesh:
+    """The rule's surface; see `isoref.sweep.sweep`.
+
+    Besides, `precision` says what the arrays of the mesh are made of: float64 and int64, or, in
+    half the memory, float32 and int32. Positions are computed in double precision and rounded last.
+    """
+    return _Sweep(rule, field, isovalue, precision, with_cells=False).mesh()
 
 
 def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
     """The rule's surface and the cells of its triangles; see `isoref.sweep.sweep_with_cells`."""
-    return _swept(rule, field, isovalue, with_cells=True)
+    made = _Sweep(rule, field, isovalue, "double", with_cells=True)
+    return made.mesh(), made.cells.finished()
 
 
-def _swept(rule: Rule, field: Field, isovalue: float, with_cells: bool) -> tuple[Mesh, Integers]:
-    """The rule's surface, and the cells of its triangles where they are wanted."""
-    check_volume(field)
-    isovalue = check_isovalue(isovalue)
-    if min(field.shape) < 2:
-        return Mesh.empty(3, 2), np.empty(0, np.int64)
-    volume, tiles = _Volume.of(field, isovalue), _Tiles(rule)
-    slabs = list(_find(volume, tiles))
-    surface = _Surface(volume, tiles, slabs, with_cells)
-    for slab, behind in zip(slabs, [*slabs[1:], None], strict=True):
-        surface.add(slab, behind)
-    surface.place_interior_points(slabs)
-    return Mesh(surface.vertices, surface.triangles), surface.cells
+# --- What is known of a rule -------------------------------------------------------------------
+
+
+class _Inside(IntEnum):
+    """What interior points the tiles of a group have."""
+
+    NONE = 0
+    AVERAGES = 1
+    OTHERS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """The tiles with equally many triangles, and interior points of one kind.
+
+    nodes : (K, 3 T) the nodes of the T triangles of each tile
+    """
+
+    nodes: Integers
+    inside: _Inside
+
+
+@dataclass(frozen=True, eq=False)
+class _Tables:
+    """The tiles of the keys met so far, so that many cells can be looked up at once.
+
+    known : for each key, whether its tile is in the tables
+    group, row : where in `groups` it is
+    interior : its number of interior points
+    means : for a key, the number of its first average
+    length, place : for an average, its number of nodes N, and its column in `averages[N]`
+    """
+
+    tile: dict[int, Tile]
+    known: NDArray[np.bool_]
+    group: Bytes
+    row: Integers
+    interior: Integers
+    groups: tuple[_Group, ...]
+    means: Integers
+    length: Bytes
+    place: Integers
+    averages: dict[int, Integers]
+
+    @classmethod
+    def of(cls, tile: dict[int, Tile], size: int) -> _Tables:
+        """The tables of these tiles, for keys below `size`."""
+        known, group = np.zeros(size, np.bool_), np.zeros(size, np.uint8)
+        row, interior, means = (np.zeros(size, np.int64) for _ in range(3))
+        rows: dict[tuple[int, _Inside], list[tuple[Triangle, ...]]] = {}
+        numbers: dict[tuple[int, _Inside], int] = {}
+        averages: dict[int, list[tuple[int, ...]]] = {}
+        length: list[int] = []
+        place: list[int] = []
+        for key, one in tile.items():
+            # Put the tile into the group of its kind.
+            kind = len(one.triangles), _inside(one)
+            own = rows.setdefault(kind, [])
+            known[key], row[key], interior[key] = True, len(own), len(one.interior)
+            group[key] = numbers.setdefault(kind, len(numbers))
+            own.append(one.triangles)
+
+            # Note its averages.
+            means[key] = len(length)
+            for mean in one.interior:
+                if isinstance(mean, Average):
+                    of_length = averages.setdefault(len(mean.nodes), [])
+                    length.append(len(mean.nodes))
+                    place.append(len(of_length))
+                    of_length.append(mean.nodes)
+        return cls(
+            tile,
+            known,
+            group,
+            row,
+            interior,
+            tuple(
+                _Group(np.array(own, np.int64).reshape(len(own), 3 * triangles), inside)
+                for (triangles, inside), own in rows.items()
+            ),
+            means,
+            np.array(length, np.uint8),
+            np.array(place, np.int64),
+            {n: np.ascontiguousarray(np.array(nodes).T) for n, nodes in averages.items()},
+        )
+
+
+def _inside(tile: Tile) -> _Inside:
+    """What interior points a tile has."""
+    if not tile.interior:
+        return _Inside.NONE
+    averages = all(isinstance(place, Average) for place in tile.interior)
+    return _Inside.AVERAGES if averages else _Inside.OTHERS
 
 
 class _Tiles:
-    """The tiles met so far, as flat tables that many cells can be looked up in at once.
-
-    A key is signs + 256 * decisions.
-    """
+    """What was learned of a rule; kept between calls, and safe to share between threads."""
 
     def __init__(self, rule: Rule) -> None:
         self.rule = rule
         self.asks = np.array([rule.asks(signs) for signs in range(256)])
-        self.tile: dict[int, Tile] = {}
-        size = 1 << (8 + rule.bits)
-        self.key_type = np.min_scalar_type(size - 1)
-        self.is_known = np.zeros(size, np.bool_)
-        self.count = np.zeros(size, np.int64)  # triangles of a tile
-        self.start = np.zeros(size, np.int64)  # its first row in `nodes`
-        self.interior = np.zeros(size, np.int64)  # its interior points
-        self.nodes = np.empty((0, 3), np.int64)
+        self.size = 1 << (8 + rule.bits)
+        self.key_type = np.min_scalar_type(self.size - 1)
+        self.lock = threading.Lock()
+        self.tables = _Tables.of({}, self.size)
 
-    def learn(self, keys: Array) -> None:
-        """Make the tables hold the tile of every key that occurs."""
-        rows = [self.nodes]
-        end = len(self.nodes)
-        unknown = keys[~_take(self.is_known, keys)]
-        for key in np.flatnonzero(np.bincount(unknown)).tolist():
-            tile = self.rule.tile(key & 255, key >> 8)
-            self.tile[key], self.is_known[key] = tile, True
-            self.count[key], self.start[key] = len(tile.triangles), end
-            self.interior[key] = len(tile.interior)
-            end += len(tile.triangles)
-            rows.append(np.array(tile.triangles, np.int64).reshape(-1, 3))
-        self.nodes = np.concatenate(rows)
+    def learn(self, keys: Array) -> _Tables:
+        """Tables that hold the tile of every key that occurs."""
+        tables = self.tables
+        known = _take(tables.known, keys)
+        if known.all():
+            return tables
+        with self.lock:
+            # Never change tables that another thread may be reading: make new ones.
+            tile = dict(self.tables.tile)
+            for key in np.unique(keys[~known]).tolist():
+                if key not in tile:
+                    tile[key] = self.rule.tile(key & 255, key >> 8)
+            self.tables = _Tables.of(tile, self.size)
+            return self.tables
 
 
-def number_type(n: int) -> type[np.int32 | np.int64]:
-    """The least of the two common integer types that can number n things.
+_remembered = lru_cache(maxsize=64)(_Tiles)
 
-    >>> number_type(1 << 31).__name__, number_type((1 << 31) + 1).__name__
-    ('int32', 'int64')
+
+def _tiles(rule: Rule) -> _Tiles:
+    """What is known of this rule from earlier calls, where the rule can be remembered."""
+    try:
+        return _remembered(rule)
+    except TypeError:
+        return _Tiles(rule)
+
+
+# --- Arrays ------------------------------------------------------------------------------------
+
+
+class _Growing:
+    """An array that grows at its end, with room to spare, and gives the spare room back.
+
+    done : the share of the volume that is done, from which the room is guessed
     """
-    return np.int32 if n <= 1 << 31 else np.int64
+
+    def __init__(self, width: int, dtype: type[Any], rows: int) -> None:
+        shape = (rows, width) if width else (rows,)
+        self.array = np.empty(shape, dtype)
+        self.size = 0
+        self.done = 1.0
+
+    def more(self, rows: int) -> Array:
+        """Room for so many rows, behind those that are there."""
+        begun, self.size = self.size, self.size + rows
+        if self.size > len(self.array):
+            # Memory that is never written costs nothing: take half as much again as is expected.
+            room = max(2 * self.size, int(1.5 * self.size / self.done))
+            larger = np.empty((room, *self.array.shape[1:]), self.array.dtype)
+            larger[:begun] = self.array[:begun]
+            self.array = larger
+        return self.array[begun : self.size]
+
+    def finished(self) -> Array:
+        """The array, no larger than it has to be; the memory behind it is returned, not copied."""
+        self.array.resize((self.size, *self.array.shape[1:]), refcheck=False)
+        return self.array
 
 
 def _take(table: Array, index: Array) -> Array:
@@ -119,296 +246,604 @@ def _take(table: Array, index: Array) -> Array:
     return table.take(index, mode="clip")
 
 
-@dataclass(frozen=True)
-class _Volume:
-    """The field as slabs of planes.
+def _transposed(corners: Bytes) -> Bytes:
+    """(8 M,) the signs of eight cells a row, from (M, 8): for each corner a byte, a bit a cell.
 
-    values : the samples, (N1, N2, N3)
-    planes : of a slab, at most
-    strides : how far neighbours along each axis are apart in a slab's samples, by flat index
+    The matrix of 8 x 8 bits in each word is transposed by swapping its quarters, then the quarters
+    of these, then theirs (Warren, "Hacker's Delight", section 7-3).
+
+    >>> _transposed(np.array([[1, 1, 0, 0, 0, 0, 0, 2]], np.uint8)).tolist()
+    [3, 128, 0, 0, 0, 0, 0, 0]
+    """
+    words = corners.reshape(-1).view("<u8")
+    swap = np.empty_like(words)
+    for shift, mask in (
+        (7, 0x00AA00AA00AA00AA),
+        (14, 0x0000CCCC0000CCCC),
+        (28, 0x00000000F0F0F0F0),
+    ):
+        np.right_shift(words, shift, out=swap)
+        swap ^= words
+        swap &= np.uint64(mask)
+        words ^= swap
+        np.left_shift(swap, shift, out=swap)
+        words ^= swap
+    return words.view(np.uint8)
+
+
+@dataclass(frozen=True)
+class _Lattice:
+    """The padded planes: how samples, rows and bytes lie in a slab.
+
+    n2, n3 : samples along axes 1 and 2
+    row_bytes : bytes of a row, a bit a sample
     """
 
-    field: Field
-    values: Array
-    isovalue: float
-    planes: int
-    strides: Integers
+    n2: int
+    n3: int
+    row_bytes: int
 
     @classmethod
-    def of(cls, field: Field, isovalue: float) -> _Volume:
-        """The volume in slabs of about `SLAB_POINTS` points."""
-        n1, n2, n3 = field.shape
-        planes = min(n1, max(1, SLAB_POINTS // (n2 * n3)))
-        values = field.values.reshape(field.shape)
-        return cls(field, values, isovalue, planes, np.array([n2 * n3, n3, 1]))
+    def of(cls, shape: tuple[int, ...]) -> _Lattice:
+        """The planes of a volume of this shape."""
+        return cls(shape[1], shape[2], -(-shape[2] // 8))
 
-    def samples(self, first: int) -> Array:
-        """The samples of the slab from plane `first` and of the plane behind it, flat."""
-        planes = self.values[first : first + self.planes + 1]
-        return np.ascontiguousarray(planes).reshape(-1)
+    @property
+    def row(self) -> int:
+        """Places of a row."""
+        return 8 * self.row_bytes
 
-    def relative(self, samples: Array) -> Floats:
+    @property
+    def plane(self) -> int:
+        """Places of a plane."""
+        return self.n2 * self.row
+
+    @property
+    def plane_bytes(self) -> int:
+        """Bytes of a plane, a bit a place."""
+        return self.n2 * self.row_bytes
+
+    @property
+    def steps(self) -> Integers:
+        """(3,) how far neighbours along each axis are apart, in places."""
+        return np.array([self.plane, self.row, 1])
+
+    @property
+    def sample_steps(self) -> Integers:
+        """(3,) the same in samples."""
+        return np.array([self.n2 * self.n3, self.n3, 1])
+
+    @cached_property
+    def edge_steps(self) -> Integers:
+        """(12,) from 3 * place of a cell to each of its edges."""
+        lower = CORNER_OFFSETS[EDGE_CORNERS[:, 0]]
+        return np.asarray(3 * (lower @ self.steps) + np.arange(12) // 4)
+
+
+# In place of the crossings of a cell for those who do not look at them.
+_NO_CROSSINGS = np.empty((12, 0, 3))
+
+# (3, 12) along each axis: whether an edge runs along it, and where its lower end is in the cell.
+_ALONG = np.array([[float(e // 4 == axis) for e in range(12)] for axis in range(3)])
+_LOWER = np.ascontiguousarray(CORNER_OFFSETS[EDGE_CORNERS[:, 0]].T.astype(np.float64))
+
+# How many bits of a byte are set.
+_POPULATION = np.array([n.bit_count() for n in range(256)])
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Bytes of a slab that are not 0, and their numbers, which climb."""
+
+    where: Integers
+    found: Bytes
+
+
+def _between(bytes_: _Found, start: int, stop: int) -> _Found:
+    """Those of the bytes that have numbers from `start` to below `stop`."""
+    own = slice(*np.searchsorted(bytes_.where, (start, stop)).tolist())
+    return _Found(bytes_.where[own], bytes_.found[own])
+
+
+@dataclass(frozen=True, eq=False)
+class _Set:
+    """The set bits of a slab's bytes, in order: B bytes that are not 0, N bits.
+
+    byte : (N,) to which of the B each bit belongs
+    bit : (N,) which of its eight bits it is
+    first : (B,) the place of the bit 0 of each byte
+    sample : (B,) the number of that sample in the slab
+    index : three times (B,) its lattice index, the planes counted from the slab's first
+    """
+
+    byte: Integers
+    bit: Integers
+    first: Integers
+    sample: Integers
+    index: tuple[Integers, Integers, Integers]
+
+    @classmethod
+    def of(cls, m: Integers, found: Bytes, lattice: _Lattice) -> _Set:
+        """The set bits of these bytes, which are number m of a slab's bytes."""
+        where = np.flatnonzero(np.unpackbits(found, bitorder="little").view(np.bool_))
+        row = m // lattice.row_bytes
+        k = (m - row * lattice.row_bytes) << 3
+        i = row // lattice.n2
+        j = row - i * lattice.n2
+        first = m << 3
+        sample = first if lattice.row == lattice.n3 else row * lattice.n3 + k
+        return cls(where >> 3, where & 7, first, sample, (i, j, k))
+
+    def places(self) -> Integers:
+        """(N,) the place of each bit."""
+        return np.asarray(_take(self.first, self.byte) + self.bit)
+
+    def samples(self, which: Integers | None = None) -> Integers:
+        """(N,) the number of the sample of each bit, or of those asked for, in the slab."""
+        if which is None:
+            return np.asarray(_take(self.sample, self.byte) + self.bit)
+        return np.asarray(_take(self.sample, _take(self.byte, which)) + _take(self.bit, which))
+
+    def lattice_index(self, axis: int, which: Integers | slice = slice(None)) -> Integers:
+        """The index along an axis of each bit, planes counted from the slab's first."""
+        index = _take(self.index[axis], self.byte[which])
+        if axis == 2:
+            index += self.bit[which]
+        return np.asarray(index)
+
+
+# --- The sweep ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Deferred:
+    """Interior points that are placed at the end, key by key: n cells of a slab.
+
+    keys : (n,)
+    g : (8, n) samples at the corners minus the isovalue
+    cells : three times (n,) the lattice index of the cell
+    first : (n,) the number of the cell's first interior point
+    """
+
+    keys: Array
+    g: Floats
+    cells: tuple[Integers, Integers, Integers]
+    first: Integers
+
+
+class _Sweep:
+    """One passage through a volume: what a slab needs to know of the one before, and the mesh."""
+
+    def __init__(
+        self, rule: Rule, field: Field, isovalue: float, precision: Precision, with_cells: bool
+    ) -> None:
+        check_volume(field)
+        self.isovalue = check_isovalue(isovalue)
+        self.precision = precision
+        real, whole = number_types(precision)
+        self.field, self.tiles, self.with_cells = field, _tiles(rule), with_cells
+        self.values = field.values.reshape(field.shape)
+        self.level = least_inside(field.values.dtype, self.isovalue)
+        self.lattice = _Lattice.of(field.shape)
+        self.tables = self.tiles.tables
+        self.steps: list[Integers] = []
+        self.vertices = _Growing(3, real, 1 << 12)
+        self.triangles = _Growing(3, whole, 1 << 13)
+        self.cells = _Growing(0, np.int64, 1 << 13 if with_cells else 0)
+        self.deferred: list[_Deferred] = []
+        if min(field.shape) >= 2:
+            self._run()
+            self._place_deferred()
+
+    def mesh(self) -> Mesh:
+        """The mesh of all slabs."""
+        number_types(self.precision, self.vertices.size)
+        return Mesh(self.vertices.finished(), self.triangles.finished())
+
+    def _run(self) -> None:
+        """Pass through the volume, slab by slab."""
+        layers = self.field.shape[0] - 1
+        planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
+        self._make_room(planes)
+        self.bits[: self.lattice.plane_bytes] = self._packed(0, 1)
+        for first in range(0, layers, planes):
+            self._slab(first, min(planes, layers - first))
+
+    def _make_room(self, planes: int) -> None:
+        """The arrays that all slabs of at most so many planes of cells work in."""
+        lattice = self.lattice
+        size = (planes + 1) * lattice.plane_bytes
+        words = 3 * size // 8 + 2
+        chunk = min(planes, max(1, CHUNK_POINTS // lattice.plane))
+        self.inside = np.zeros((chunk, lattice.n2, lattice.row), np.bool_)
+        self.bits, self.shifted, self.carry, self.touched = (
+            np.zeros(size + 16 & -8, np.uint8) for _ in range(4)
+        )
+        self.crossed = np.zeros(8 * words, np.uint8)
+        self.is_set = np.empty(words, np.bool_)
+        has_next = np.packbits(np.arange(lattice.row) < lattice.n3 - 1, bitorder="little")
+        self.has_next = np.tile(has_next, (planes + 1) * lattice.n2)
+        self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
+        # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
+        self.offset = self.begun = 0
+        self.parameters = np.zeros(0)
+        self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
+
+    def _packed(self, first: int, planes: int) -> Bytes:
+        """Whether samples are inside, a bit each, for these planes."""
+        inside = self.inside[:planes]
+        own = self.values[first : first + planes]
+        np.greater_equal(own, self.level, out=inside[:, :, : self.lattice.n3])
+        return np.packbits(inside.reshape(-1), bitorder="little")
+
+    def _slab(self, first: int, planes: int) -> None:
+        """Add the cells between planes `first` and `first + planes`."""
+        plane = self.lattice.plane_bytes
+        crossed, active = self._crossed_and_active(first, planes)
+
+        # Number the vertices from the first one of the slab before, which shares a plane.
+        begun = self.vertices.size
+        kept = self.parameters[self.begun - self.offset : begun - self.offset].copy()
+        self.parameters[: len(kept)] = kept
+        self.offset, self.begun = self.begun, begun
+        self.vertex_of[self.upper_edges] = self.upper_vertices
+        self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
+
+        # Go through the active cells part by part, planes with their upper edges.
+        edges, cells = self._not_zero(crossed), self._not_zero(active)
+        some = len(edges.where) > 0
+        samples = self._samples(first, planes if some else 0)
+        parts = self._parts(cells, planes) if some else []
+        for low, high in pairwise(parts):
+            for array in (self.vertices, self.triangles, self.cells):
+                array.done = (first + high) / (self.field.shape[0] - 1)
+            self._make_crossings(first, low, high, planes, samples, edges, begun)
+            self._make_cells(first, samples, _between(cells, low * plane, high * plane))
+
+        # The last plane is the first one of the next slab.
+        self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
+
+    def _samples(self, first: int, planes: int) -> Array:
+        """The samples of these planes and of the one behind them, flat and in native order."""
+        samples = self.values[first : first + planes + 1]
+        return np.ascontiguousarray(samples, samples.dtype.newbyteorder("=")).reshape(-1)
+
+    def _parts(self, cells: _Found, planes: int) -> list[int]:
+        """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
+        starts = np.searchsorted(cells.where, self.lattice.plane_bytes * np.arange(planes + 1))
+        before = np.append(0, np.cumsum(_take(_POPULATION, cells.found)))[starts]
+        parts = [0]
+        while parts[-1] < planes:
+            most = before[parts[-1]] + PART_CELLS
+            parts.append(max(parts[-1] + 1, int(np.searchsorted(before, most, "right")) - 1))
+        return parts
+
+    def _crossed_and_active(self, first: int, planes: int) -> tuple[Bytes, Bytes]:
+        """Which edges of a slab are crossed, (3, planes + 1, ..), and which cells are active.
+
+        As bytes, a bit a place. Edges of the first plane are left out where the slab before has
+        numbered them.
+        """
+        lattice = self.lattice
+        row, plane = lattice.row_bytes, lattice.plane_bytes
+        size, below = (planes + 1) * plane, planes * plane
+        bits, shifted, touched = self.bits, self.shifted, self.touched
+        for start in range(0, planes, len(self.inside)):
+            packed = self._packed(first + 1 + start, min(len(self.inside), planes - start))
+            begin = (start + 1) * plane
+            bits[begin : begin + len(packed)] = packed
+
+        # Bring the next sample along axis 2 to each place.
+        words = size // 8 + 1
+        old, new, carry = (a.view("<u8") for a in (bits, shifted, self.carry))
+        np.right_shift(old[:words], 1, out=new[:words])
+        np.left_shift(old[1 : words + 1], 63, out=carry[:words])
+        new[:words] |= carry[:words]
+
+        # Compare neighbours along each axis; the last sample of a row has none.
+        crossed = self.crossed[: 3 * size].reshape(3, size)
+        np.bitwise_xor(bits[:below], bits[plane:size], out=crossed[0, :below])
+        np.bitwise_xor(bits[: size - row], bits[row:size], out=crossed[1, : size - row])
+        np.bitwise_xor(bits[:size], shifted[:size], out=crossed[2])
+        crossed[2] &= self.has_next[:size]
+        crossed[0, below:] = 0
+        crossed[1].reshape(planes + 1, lattice.n2, row)[:, -1] = 0
+
+        # A cell is active where one of seven edges is crossed that join all its corners: one along
+        # axis 0, two along axis 1, four along axis 2.
+        np.bitwise_or(crossed[2, : size - row], crossed[2, row:], out=touched[: size - row])
+        touched[: size - row] |= crossed[1, : size - row]
+        active = self.carry[:below]
+        np.bitwise_or(touched[:below], touched[plane:size], out=active)
+        active |= crossed[0, :below]
+        active &= self.has_next[:below]
+        active.reshape(planes, lattice.n2, row)[:, -1] = 0
+        self.carry[below : below + 7 & -8] = 0
+        self.crossed[3 * size : 3 * size + 7 & -8] = 0
+
+        # Leave out what the slab before has numbered.
+        if first:
+            crossed[1:, :plane] = 0
+        return self.crossed[: 3 * size + 7 & -8], self.carry[: below + 7 & -8]
+
+    def _not_zero(self, found: Bytes) -> _Found:
+        """The bytes that are not 0, found by way of the words that are not; whole words."""
+        words = found.view("<u8")
+        flags = np.not_equal(words, 0, out=self.is_set[: len(words)])
+        which = np.flatnonzero(flags)
+        own = _take(words, which).view(np.uint8)
+        inner = np.flatnonzero(own != 0)
+        return _Found((_take(which, inner >> 3) << 3) + (inner & 7), _take(own, inner))
+
+    def _signs(self, where: Integers, cells: _Set) -> Bytes:
+        """The signs of the active cells, which lie in the bytes with these numbers."""
+        corners = np.empty((len(where), 8), np.uint8)
+        for c, (i, j, k) in enumerate(CORNER_OFFSETS.tolist()):
+            beside = i * self.lattice.plane_bytes + j * self.lattice.row_bytes
+            corners[:, c] = _take(self.shifted if k else self.bits, where + beside)
+        return np.asarray(_take(_transposed(corners), (cells.byte << 3) + cells.bit))
+
+    # --- Crossings -------------------------------------------------------------------------
+
+    def _make_crossings(
+        self,
+        first: int,
+        low: int,
+        high: int,
+        planes: int,
+        samples: Array,
+        crossed: _Found,
+        begun: int,
+    ) -> None:
+        """Number and place the crossings on the edges of a part, axis by axis.
+
+        Those between planes `low` and `high`, and on all of these planes but `low`, which the part
+        before has numbered.
+        """
+        # Find the edges; their bytes come in three segments, one an axis.
+        lattice = self.lattice
+        size, plane = (planes + 1) * lattice.plane_bytes, lattice.plane_bytes
+        own_low = low + 1 if first or low else 0
+        own = [
+            _between(crossed, low * plane, high * plane),
+            _between(crossed, size + own_low * plane, size + (high + 1) * plane),
+            _between(crossed, 2 * size + own_low * plane, 2 * size + (high + 1) * plane),
+        ]
+        where = np.concatenate([own[a].where - a * size for a in range(3)])
+        edges = _Set.of(where, np.concatenate([one.found for one in own]), lattice)
+        bounds = np.cumsum([len(one.where) for one in own[:2]])
+        ends = [0, *np.searchsorted(edges.byte, bounds).tolist(), len(edges.byte)]
+        places = edges.places()
+
+        # Number them.
+        names = 3 * places
+        for axis in (1, 2):
+            names[ends[axis] : ends[axis + 1]] += axis
+        start = self.vertices.size - self.offset
+        self.vertex_of[names] = np.arange(start, start + len(names), dtype=np.int32)
+
+        # Keep for the next slab those on its first plane.
+        if high == planes:
+            top = planes * lattice.plane
+            kept = np.concatenate(
+                [
+                    np.arange(
+                        ends[a] + np.searchsorted(places[ends[a] : ends[a + 1]], top), ends[a + 1]
+                    )
+                    for a in (1, 2)
+                ]
+            )
+            self.upper_edges = names[kept] - 3 * top
+            self.upper_vertices = kept + (self.vertices.size - begun)
+
+        # Interpolate, and place them in space.
+        at = places if edges.sample is edges.first else edges.samples()
+        below = self._relative(_take(samples, at))
+        for axis in range(3):
+            at[ends[axis] : ends[axis + 1]] += lattice.sample_steps[axis]
+        t = crossing_parameter(below, self._relative(_take(samples, at)))
+        self._remember(t)
+        out = self.vertices.more(len(t))
+        for axis in range(3):
+            index = edges.lattice_index(axis).astype(np.float64)
+            if axis == 0:
+                index += first
+            along = slice(ends[axis], ends[axis + 1])
+            index[along] += t[along]
+            out[:, axis] = self._position(index, axis)
+
+    def _remember(self, t: Floats) -> None:
+        """Keep where on their edges the new crossings are, for the averages of cells."""
+        start = self.vertices.size - self.offset
+        if len(self.parameters) < start + len(t):
+            longer = np.zeros(2 * (start + len(t)))
+            longer[: len(self.parameters)] = self.parameters
+            self.parameters = longer
+        self.parameters[start : start + len(t)] = t
+
+    def _relative(self, samples: Array) -> Floats:
         """Samples minus the isovalue."""
         values: Floats = samples.astype(np.float64)
         values -= self.isovalue
         return values
 
-    def corners(self, samples: Array, cells: Array) -> Array:
-        """The samples at the corners of n cells of a slab, (8, n)."""
-        low = cells.astype(np.int64)
-        return np.stack([_take(samples, low + s) for s in CORNER_OFFSETS @ self.strides])
+    def _position(self, index: Floats, axis: int) -> Floats:
+        """The positions of fractional indices along an axis, in the array of these."""
+        if self.field.spacing[axis] != 1:
+            index *= self.field.spacing[axis]
+        if self.field.origin[axis] != 0:
+            index += self.field.origin[axis]
+        return index
 
-    def index(self, points: Array) -> tuple[Array, Array, Array]:
-        """Lattice indices of a slab's points, their planes counted from the slab's first."""
-        plane, row, _ = self.strides.tolist()
-        i = points // plane
-        rest = points - i * plane
-        j = rest // row
-        return i, j, rest - j * row
+    # --- Triangles -------------------------------------------------------------------------
 
-
-# --- First pass: find the active cells ------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Slab:
-    """The active cells of some planes, named by their points' flat index in these planes.
-
-    first : its first plane
-    owners, signs : the active cells, phantoms included, in order
-    cells, keys : those that are no phantoms
-    having : which of `cells` have interior points
-    corners : (8, n) the samples at the corners of these
-    """
-
-    first: int
-    owners: Array
-    signs: NDArray[np.uint8]
-    cells: Array
-    keys: Array
-    having: Integers
-    corners: Array
-
-
-def _find(volume: _Volume, tiles: _Tiles) -> Iterator[_Slab]:
-    """All slabs; `tiles` learns every tile that occurs in them."""
-    n1, n2, n3 = volume.field.shape
-    points = (volume.planes + 1) * n2 * n3
-    work = np.empty((2, points + 7 & -8), np.uint8)
-    for first in range(0, n1, volume.planes):
-        samples = volume.samples(first)
-        dense = _dense_signs(volume, samples, work)
-        dense = dense[: min(volume.planes, n1 - first) * n2 * n3]
-        owners = np.flatnonzero(_mixed(dense, work[1])).astype(number_type(points))
-        signs = _take(dense, owners)
-        i, j, k = volume.index(owners)
-        real = np.flatnonzero((i < n1 - 1 - first) & (j < n2 - 1) & (k < n3 - 1))
-        cells = _take(owners, real)
-        keys = _keys(volume, tiles, samples, cells, _take(signs, real))
-        tiles.learn(keys)
-        having = np.flatnonzero(_take(tiles.interior > 0, keys))
-        corners = volume.corners(samples, _take(cells, having))
-        yield _Slab(first, owners, signs, cells, keys, having, corners)
-
-
-def _dense_signs(volume: _Volume, samples: Array, work: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The signs of the cell above each sample, as if the samples at the end were repeated."""
-    size = len(samples)
-    signs, shifted = work[:, :size]
-    level = least_inside(samples.dtype, volume.isovalue)
-    np.greater_equal(samples, level, out=signs.view(np.bool_))
-    # Join to the corners so far those of the next point along each axis in turn. Shift words of
-    # eight bytes, whose bits stay apart.
-    words, words_shifted = work.view(np.uint64)
-    block, block_shifted = (a.reshape(-1, *volume.field.shape[1:]) for a in (signs, shifted))
-    for axis, last in ((2, np.s_[:, :, -1]), (1, np.s_[:, -1]), (0, np.s_[-1])):
-        np.left_shift(words, 1 << axis, out=words_shifted)
-        repeated = block[last] | block_shifted[last]
-        step = int(volume.strides[axis])
-        np.bitwise_or(signs[:-step], shifted[step:], out=signs[:-step])
-        block[last] = repeated
-    return np.asarray(signs)
-
-
-def _mixed(signs: NDArray[np.uint8], work: NDArray[np.uint8]) -> Booleans:
-    """Which signs are neither none nor all; written into `work`."""
-    # Add one, so that all wraps round to zero beside none.
-    following = np.add(signs, 1, out=work[: len(signs)])
-    return np.asarray(np.greater(following, 1, out=following.view(np.bool_)))
-
-
-def _keys(
-    volume: _Volume,
-    tiles: _Tiles,
-    samples: Array,
-    cells: Array,
-    signs: NDArray[np.uint8],
-) -> Array:
-    """The key of each cell, its decisions taken only where the rule asks."""
-    keys = signs.astype(tiles.key_type)
-    asked = np.flatnonzero(_take(tiles.asks, signs))
-    if tiles.rule.bits and len(asked):
-        g = volume.relative(volume.corners(samples, _take(cells, asked)))
-        keys[asked] |= (tiles.rule.decisions(g) << 8).astype(tiles.key_type)
-    return keys
-
-
-# --- Second pass: number the crossings and gather the triangles --------------------------------
-
-# For signs, which of the cell's three lower edges are crossed; one word of four bytes.
-_CROSSED = np.array(
-    [[(signs ^ signs >> (1 << a)) & 1 for a in range(3)] + [0] for signs in range(256)], np.uint8
-)
-_CROSSINGS = _CROSSED.sum(axis=1, dtype=np.int64)
-
-
-def _crossed_edges(owners: Array, signs: NDArray[np.uint8]) -> tuple[Array, Integers]:
-    """The crossed edges these cells own, in order: their lower points and their axes."""
-    slots = np.flatnonzero(_take(_CROSSED.view(np.uint32), signs).view(np.bool_))
-    return _take(owners, slots >> 2), slots & 3
-
-
-def _owners(end: Integers) -> Integers:
-    """To which cell each triangle belongs, where the cells' triangles end before `end`.
-
-    The same as np.repeat(np.arange(len(count)), count) in half the time.
-
-    >>> _owners(np.cumsum([2, 0, 3]))
-    array([0, 0, 2, 2, 2])
-    """
-    size = int(end[-1])
-    begun = np.bincount(end[:-1], minlength=size)[:size]
-    return np.cumsum(begun, out=begun)
-
-
-def _blocks(n: int) -> Iterator[slice]:
-    """Slices of at most `BLOCK_CELLS` that cover 0 .. n - 1."""
-    return (slice(start, min(start + BLOCK_CELLS, n)) for start in range(0, n, BLOCK_CELLS))
-
-
-class _Surface:
-    """The arrays of the mesh, of their final size, filled from the front slab by slab.
-
-    crossings : how many vertices are crossings; the interior points come behind them
-    made, gathered, made_inside : crossings, triangles and interior points so far
-    vertex_of : lattice edge 3 * point + axis of a slab -> vertex
-    steps : (3, rows) from 3 * point to the edge of each node in `tiles.nodes`
-    """
-
-    def __init__(
-        self, volume: _Volume, tiles: _Tiles, slabs: list[_Slab], with_cells: bool
-    ) -> None:
-        self.volume, self.tiles = volume, tiles
-        self.crossings = sum(int(_CROSSINGS.take(slab.signs).sum()) for slab in slabs)
-        interior = sum(int(tiles.interior.take(slab.keys).sum()) for slab in slabs)
-        triangles = sum(int(tiles.count.take(slab.keys).sum()) for slab in slabs)
-        self.vertices = np.empty((self.crossings + interior, 3))
-        self.triangles = np.empty((triangles, 3), np.int64)
-        self.cells = np.empty(triangles if with_cells else 0, np.int64)
-        self.made = self.gathered = self.made_inside = 0
-        edges = 3 * (volume.planes + 1) * int(volume.strides[0])
-        self.vertex_of = np.empty(edges, number_type(self.crossings))
-        # Edge e of a cell is the lower edge, along its axis, of the cell at its lower corner.
-        corner_steps = CORNER_OFFSETS @ volume.strides
-        edge_steps = 3 * corner_steps[EDGE_CORNERS[:, 0]] + np.arange(12) // 4
-        self.steps = np.append(edge_steps, 0)[np.minimum(tiles.nodes.T, 12)]
-
-    def add(self, slab: _Slab, behind: _Slab | None) -> None:
-        """Write the crossings of a slab's edges and its triangles; `behind` is the next slab."""
-        samples = self.volume.samples(slab.first)
-        for block in _blocks(len(slab.owners)):
-            points, axis = _crossed_edges(slab.owners[block], slab.signs[block])
-            self._number(points, axis, self.made)
-            self._place(slab, samples, points, axis)
-            self.made += len(points)
-        if behind is not None:
-            # The upper edges of the last cells belong to the next slab: number them ahead.
-            plane = int(self.volume.strides[0])
-            ahead = slice(0, int(np.searchsorted(behind.owners, plane)))
-            points, axis = _crossed_edges(behind.owners[ahead], behind.signs[ahead])
-            self._number(points + self.volume.planes * plane, axis, self.made)
-        for block in _blocks(len(slab.cells)):
-            self._gather(slab, slab.cells[block], slab.keys[block])
-
-    def _number(self, points: Array, axis: Integers, first: int) -> None:
-        """Remember the vertices of these edges, numbered from `first` on."""
-        edges = 3 * points.astype(np.int64) + axis
-        self.vertex_of[edges] = np.arange(first, first + len(edges), dtype=self.vertex_of.dtype)
-
-    def _place(self, slab: _Slab, samples: Array, points: Array, axis: Integers) -> None:
-        """Write the positions of the crossings of these edges."""
-        field = self.volume.field
-        low = self.volume.relative(_take(samples, points))
-        high = self.volume.relative(_take(samples, points + _take(self.volume.strides, axis)))
-        t = crossing_parameter(low, high)
-        out = self.vertices[self.made : self.made + len(points)]
-        for a, index in enumerate(self.volume.index(points)):
-            place = (axis == a) * t
-            place += index + slab.first if a == 0 else index
-            place *= field.spacing[a]
-            np.add(place, field.origin[a], out=out[:, a])
-
-    def _gather(self, slab: _Slab, cells: Array, keys: Array) -> None:
-        """Write the triangles of these cells, in order."""
-        count = _take(self.tiles.count, keys)
-        end = np.cumsum(count)
-        owner = _owners(end)
-        row = _take(_take(self.tiles.start, keys) - end + count, owner)
-        row += np.arange(len(owner))
-        base = _take(3 * cells.astype(np.int64), owner)
-        out = slice(self.gathered, self.gathered + len(owner))
-        for k in range(3):
-            edges = _take(self.steps[k], row)
-            edges += base
-            self.triangles[out, k] = _take(self.vertex_of, edges)
-        if len(self.cells):
-            self.cells[out] = _take(self._flat(slab, cells), owner)
-        self._gather_inside(keys, owner, row)
-        self.gathered += len(owner)
-
-    def _gather_inside(self, keys: Array, owner: Integers, row: Integers) -> None:
-        """Write the nodes of triangles that are interior points, numbered cell by cell."""
-        interior = _take(self.tiles.interior, keys)
-        if not interior.any():
+    def _make_cells(self, first: int, samples: Array, active: _Found) -> None:
+        """Add the triangles of active cells, and note their interior points."""
+        if not len(active.where):
             return
-        end = np.cumsum(interior)
-        first = end - interior + (self.crossings + self.made_inside)
-        for k, nodes in enumerate(self.tiles.nodes.T):
-            if nodes.max() >= 12:
-                places = np.flatnonzero(_take(nodes >= 12, row))
-                numbers = _take(first, owner[places]) + nodes[row[places]] - 12
-                self.triangles[self.gathered + places, k] = numbers
-        self.made_inside += int(end[-1])
+        cells = _Set.of(active.where, active.found, self.lattice)
+        keys = self._keys(samples, cells, self._signs(active.where, cells))
+        tables = self._learn(keys)
+        group = _take(tables.group, keys)
+        order = np.argsort(group, kind="stable")
+        counts = np.bincount(group, minlength=len(tables.groups)).tolist()
 
-    def _flat(self, slab: _Slab, cells: Array) -> Integers:
-        """The flat index of cells in the lattice of cells."""
-        i, j, k = self.volume.index(cells.astype(np.int64))
-        _, n2, n3 = self.volume.field.shape
-        return np.asarray(((i + slab.first) * (n2 - 1) + j) * (n3 - 1) + k)
+        # Take the cells of one group together: their tiles have rows of one length.
+        base = 3 * cells.places()
+        begun, owners, start = self.triangles.size, [], 0
+        for number, n in enumerate(counts):
+            rows = order[start : start + n]
+            start += n
+            width = tables.groups[number].nodes.shape[1]
+            if not (n and width):
+                continue
+            key = _take(keys, rows)
+            found = self._nodes(number, _take(tables.row, key), _take(base, rows))
+            if tables.groups[number].inside:
+                self._add_interior(
+                    number, first, samples, cells, rows, key, _take(base, rows), found
+                )
+            out = self.triangles.more(n * width // 3)
+            np.add(found, self.offset, out=out.reshape(n, width))
+            if self.with_cells:
+                owners.append(np.repeat(rows, width // 3))
+        if owners:
+            self._sort(first, cells, np.concatenate(owners), begun)
 
-    def place_interior_points(self, slabs: list[_Slab]) -> None:
-        """Write the positions of the interior points behind the crossings, cell by cell."""
-        plane = int(self.volume.strides[0])
-        cells = np.concatenate([_take(s.cells, s.having) + s.first * plane for s in slabs])
-        keys = np.concatenate([_take(s.keys, s.having) for s in slabs])
-        corners = np.concatenate([s.corners for s in slabs], axis=1)
-        own = _take(self.tiles.interior, keys)
-        first = self.crossings + np.cumsum(own) - own
-        # Take the cells of one key together: they share their placements.
+    def _keys(self, samples: Array, cells: _Set, signs: Bytes) -> Array:
+        """The key of each cell, its decisions taken only where the rule asks."""
+        keys = signs.astype(self.tiles.key_type)
+        asked = np.flatnonzero(_take(self.tiles.asks, signs))
+        if self.tiles.rule.bits and len(asked):
+            g = self._corners(samples, cells.samples(asked))
+            keys[asked] |= (self.tiles.rule.decisions(g) << 8).astype(keys.dtype)
+        return keys
+
+    def _corners(self, samples: Array, low: Integers) -> Floats:
+        """(8, n) the samples at the corners of n cells, minus the isovalue."""
+        steps = (CORNER_OFFSETS @ self.lattice.sample_steps).tolist()
+        g = np.empty((8, len(low)))
+        for c, step in enumerate(steps):
+            g[c] = _take(samples, low + step)
+        g -= self.isovalue
+        return g
+
+    def _learn(self, keys: Array) -> _Tables:
+        """Tables that hold the tiles of these keys, and with them the steps to their nodes."""
+        tables = self.tiles.learn(keys)
+        if tables is not self.tables or not self.steps:
+            self.tables = tables
+            steps = np.append(self.lattice.edge_steps, 0)
+            self.steps = [_take(steps, np.minimum(group.nodes, 12)) for group in tables.groups]
+            self.inner = [group.nodes - 12 for group in tables.groups]
+        return tables
+
+    def _nodes(self, number: int, row: Integers, base: Integers) -> Array:
+        """(n, 3 T) the vertices, from `offset` on, at the nodes of cells of one group.
+
+        row : (n,) of the tile in its group
+        base : (n,) 3 * place of the cell
+        """
+        edges = self.steps[number].take(row, axis=0, mode="clip")
+        for column in edges.T:
+            column += base
+        return _take(self.vertex_of, edges)
+
+    def _sort(self, first: int, cells: _Set, owner: Integers, begun: int) -> None:
+        """Sort the triangles from number `begun` on by the cells they are in, and name these."""
+        order = np.argsort(owner, kind="stable")
+        made = self.triangles.array[begun : self.triangles.size]
+        made[:] = made[order]
+        i, j, k = (cells.lattice_index(axis) for axis in range(3))
+        _, n2, n3 = self.field.shape
+        flat = ((i + first) * (n2 - 1) + j) * (n3 - 1) + k
+        self.cells.more(len(owner))[:] = flat[owner[order]]
+
+    # --- Interior points -------------------------------------------------------------------
+
+    def _add_interior(
+        self,
+        number: int,
+        first: int,
+        samples: Array,
+        cells: _Set,
+        rows: Integers,
+        key: Array,
+        base: Integers,
+        found: Array,
+    ) -> None:
+        """Number the interior points of cells of one group, and write them into their nodes."""
+        own = _take(self.tables.interior, key)
+        end = np.cumsum(own)
+        inner = end - own + self.vertices.size
+        out = self.vertices.more(int(end[-1]))
+        node = self.inner[number].take(_take(self.tables.row, key), axis=0, mode="clip")
+        inside = inner[:, None] - self.offset + node
+        np.copyto(found, inside, where=node >= 0, casting="same_kind")
+
+        # Place averages here and now, all others at the end.
+        index = [cells.lattice_index(axis, rows) for axis in range(3)]
+        index[0] += first
+        if self.tables.groups[number].inside == _Inside.AVERAGES:
+            self._average(key, own, base, index, out)
+        else:
+            g = self._corners(samples, cells.samples(rows))
+            self.deferred.append(_Deferred(key, g, (index[0], index[1], index[2]), inner))
+
+    def _average(
+        self, key: Array, own: Integers, base: Integers, index: list[Integers], out: Array
+    ) -> None:
+        """Place the averages of n cells, `own` (n,) in each, cell by cell."""
+        # Find the average that each point is; take those of as many nodes together.
+        tables = self.tables
+        cell = np.repeat(np.arange(len(own)), own)
+        nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
+        mean = _take(tables.means, _take(key, cell)) + nth
+        length = _take(tables.length, mean)
+        order = np.argsort(length, kind="stable")
+        start = 0
+        for n, count in enumerate(np.bincount(length).tolist()):
+            if not count:
+                continue
+            points = order[start : start + count]
+            start += count
+            column = _take(tables.place, _take(mean, points))
+            own_cell = _take(cell, points)
+            own_base = _take(base, own_cell)
+
+            # Add the coordinates of the nodes, in the order of the cycle.
+            total = np.zeros((3, count))
+            for nodes in tables.averages[n]:
+                e = _take(nodes, column)
+                vertex = _take(self.vertex_of, _take(self.lattice.edge_steps, e) + own_base)
+                t = _take(self.parameters, vertex)
+                for axis in range(3):
+                    along = _take(_ALONG[axis], e)
+                    along *= t
+                    along += _take(_LOWER[axis], e)
+                    total[axis] += along
+            total /= n
+            for axis in range(3):
+                total[axis] += _take(index[axis], own_cell)
+                out[points, axis] = self._position(total[axis], axis)
+
+    def _place_deferred(self) -> None:
+        """Write the positions of interior points, the cells of one key together."""
+        if not self.deferred:
+            return
+        keys = np.concatenate([part.keys for part in self.deferred])
+        g = np.concatenate([part.g for part in self.deferred], axis=1)
+        first = np.concatenate([part.first for part in self.deferred])
+        cells = [np.concatenate([part.cells[a] for part in self.deferred]) for a in range(3)]
         order = np.argsort(keys, kind="stable")
-        for same in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
-            for block in _blocks(len(same)):
-                rows = same[block]
-                g = self.volume.relative(corners.take(rows, axis=1, mode="clip"))
-                self._place_inside(cells[rows], int(keys[rows[0]]), g, first[rows])
-
-    def _place_inside(self, cells: Integers, key: int, g: Floats, first: Integers) -> None:
-        """Write the interior points of cells of one key, from vertices `first` on."""
-        field = self.volume.field
-        crossings = cell_crossings(g)
-        low = self.volume.index(cells)
-        for k, place in enumerate(self.tiles.tile[key].interior):
-            inner = place(g, crossings)
-            for a in range(3):
-                coordinate = (low[a] + inner[:, a]) * field.spacing[a] + field.origin[a]
-                self.vertices[first + k, a] = coordinate
+        for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+            own = g[:, rows]
+            interior = self.tables.tile[int(keys[rows[0]])].interior
+            asks = any(getattr(place, "asks_crossings", True) for place in interior)
+            crossings = cell_crossings(own) if asks else _NO_CROSSINGS
+            for n, place in enumerate(interior):
+                inside = place(own, crossings)
+                out = np.empty((len(rows), 3), self.vertices.array.dtype)
+                for axis in range(3):
+                    out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
+                self.vertices.array[first[rows] + n] = out

@@ -19,10 +19,10 @@ from isoref.fast.marching_faces import (
     voxel_configurations,
 )
 from isoref.field import Field, FieldError
-from isoref.marching_faces import FacePoints, FaceRule
+from isoref.marching_faces import FacePoints, FaceRule, across_at_ends
 from isoref.plane_waves import nodal_density, random_waves
 
-RULES: tuple[FaceRule, ...] = ("gradient", "asymptotic", "separated", "joined")
+RULES: tuple[FaceRule, ...] = ("gradient", "middle", "asymptotic", "separated", "joined")
 
 
 def lattice(n: int, half: float = 1.5) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -268,17 +268,44 @@ class TestKnownCurves:
         assert (points.confidence < 1e-6).all()
 
     def test_the_gradient_decides_an_ambiguous_face(self) -> None:
-        """Ridges along a diagonal stay whole by the gradient; the saddle value cuts some."""
+        """Ridges along a diagonal stay whole by the gradient in the middle; the saddle cuts some.
+
+        At the border, where differences are one-sided, gradients at the points p_j cut some too.
+        """
         m = np.arange(8)
         ridges = np.cos(0.8 * np.pi * np.subtract.outer(m, m) + 0.3) - 0.4
         a = Field.of(np.repeat(ridges[:, :, None], 3, axis=2))
         b = Field.of(np.broadcast_to(np.arange(3) - 0.7, (8, 8, 3)))
         width = {
             rule: max(np.ptp(c.points[:, 0] - c.points[:, 1]) for c in found)
-            for rule in ("gradient", "asymptotic")
+            for rule in ("middle", "asymptotic")
             for found in [intersection_curves(a, b, rule=rule)]
         }
-        assert width["gradient"] < 1e-12 < 0.1 < width["asymptotic"]
+        assert width["middle"] < 1e-12 < 0.1 < width["asymptotic"]
+
+    def test_lines_run_across_the_gradients_at_their_ends(self) -> None:
+        """An ambiguous face on a ridge, seen by all four gradients: joined along the ridge."""
+        d = np.array([[1.0, 1.0], [-1.0, -1.0], [-1.0, -1.0], [1.0, 1.0]])
+        g = np.array([[[1.0, -1.0], [1.0, 1.0]]] * 4)
+        found = across_at_ends(d, g, np.ones(2))
+        assert found[0] > 0 > found[1]
+        turned = across_at_ends(d[[0, 2, 1, 3]], g[[0, 2, 1, 3]][:, :, ::-1], np.ones(2))
+        np.testing.assert_allclose(turned, found, atol=1e-15)
+
+    @pytest.mark.parametrize("size", [1e-300, 1e-160, 1.0, 1e160, 1e300])
+    def test_tangents_and_confidence_are_right_for_any_magnitude(self, size: float) -> None:
+        """Two planes at right angles, and an ambiguous face, in tiny and in huge numbers."""
+        x, y, _ = lattice(7)
+        points = marching_faces(placed((x - 0.03) * size), placed((y - 0.04) * size))
+        assert len(points) > 0
+        np.testing.assert_allclose(points.confidence, 1.0, rtol=1e-12)
+        np.testing.assert_allclose(np.abs(points.tangents[:, 2]), 1.0, rtol=1e-12)
+        noise = np.random.default_rng(0).normal(size=(2, 6, 6, 6))
+        plain = marching_faces(Field.of(noise[0]), Field.of(noise[1]))
+        one, two = (Field.of(part * 2.0 ** round(np.log2(size))) for part in noise)
+        scaled = marching_faces(one, two)
+        np.testing.assert_array_equal(plain.voxels, scaled.voxels)
+        np.testing.assert_allclose(plain.tangents, scaled.tangents, atol=1e-9)
 
     def test_nodal_lines_of_random_waves_have_berrys_length(self) -> None:
         """Berry & Dennis 2000: ``k^2 / (3 pi)`` per unit volume, an answer from theory."""

@@ -1,6 +1,10 @@
 """The vectorised sweep gives the mesh of the article, whatever the samples and their layout."""
 
+import tracemalloc
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
 
 import isoref.fast.sweep
 import numpy as np
@@ -10,9 +14,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from isoref.fast.sweep import sweep, sweep_with_cells
 from isoref.field import Array, Field, FieldError
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, number_types
 from isoref.methods import RULES
-from isoref.rule import Rule
+from isoref.rule import Rule, Tile
 from isoref.sweep import sweep as sweep_plain
 from isoref.sweep import sweep_with_cells as sweep_plain_with_cells
 
@@ -40,7 +44,7 @@ def test_both_sweeps_give_the_same_mesh_on_noise(
 ) -> None:
     """Every fast path has a plain twin; wherever slabs and blocks of cells are cut."""
     monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", slab_points)
-    monkeypatch.setattr(isoref.fast.sweep, "BLOCK_CELLS", min(slab_points, 1 << 14))
+    monkeypatch.setattr(isoref.fast.sweep, "PART_CELLS", min(slab_points, 1 << 14))
     values = np.random.default_rng(7).normal(size=shape)
     field = Field.of(values, spacing=(1, 2, 0.5), origin=(3, -1, 2))
     assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
@@ -84,6 +88,117 @@ def test_layout_and_byte_order_make_no_difference(
         other = sweep(rule, Field.of(same), 0.1)
         assert np.array_equal(mesh.vertices, other.vertices)
         assert np.array_equal(mesh.simplices, other.simplices)
+
+
+def test_a_part_may_end_at_any_plane(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the slabs and parts, one and the same mesh: nothing is lost or doubled between."""
+    values = np.random.default_rng(5).normal(size=(13, 7, 9))
+    field, rule = Field.of(values), RULES["marching-vesta-mixed-H"]
+    whole = sweep(rule, field, 0.1)
+    assert len(whole.simplices) > 1000
+    for slab_points, part_cells in ((1, 1), (112, 1 << 20), (700, 40), (1 << 20, 1), (400, 100)):
+        monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", slab_points)
+        monkeypatch.setattr(isoref.fast.sweep, "PART_CELLS", part_cells)
+        monkeypatch.setattr(isoref.fast.sweep, "CHUNK_POINTS", slab_points // 3)
+        assert_same(sweep(rule, field, 0.1), whole)
+
+
+@pytest.mark.parametrize("rows", [2, 7, 8, 9, 16, 63, 64, 65])
+def test_rows_of_any_length_are_padded_to_bytes(rows: int) -> None:
+    """Bits are packed eight at a time; the last ones of a row have no neighbour in the next."""
+    values = np.random.default_rng(rows).normal(size=(3, 3, rows))
+    rule = RULES["trilinear-cubes"]
+    for shape in ((3, 3, rows), (3, rows, 3), (rows, 3, 3)):
+        field = Field.of(values.reshape(shape))
+        assert_same(sweep(rule, field, 0.1), sweep_plain(rule, field, 0.1))
+
+
+def test_single_precision_is_the_mesh_rounded() -> None:
+    """The same triangles, positions computed in double precision and rounded once."""
+    field = Field.of(np.random.default_rng(5).normal(size=(6, 7, 9)), (0.1, 2, 3), (1, 2, 3))
+    for name in ("asymptotic-decider", "marching-vesta-mixed-H", "trilinear-cubes"):
+        double, single = (sweep(RULES[name], field, 0.1, p) for p in ("double", "single"))
+        assert [str(a.dtype) for a in (single.vertices, single.simplices)] == ["float32", "int32"]
+        assert np.array_equal(single.vertices, double.vertices.astype(np.float32))
+        assert np.array_equal(single.simplices, double.simplices)
+    with pytest.raises(FieldError, match="precision 'half' is not one of single, double"):
+        sweep(RULES["lorensen-cline"], field, 0.1, "half")  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("at", [1 << 19, (1 << 19) + 60])
+def test_a_volume_of_more_than_2_to_the_31_samples_is_right_where_numbers_are_large(
+    at: int,
+) -> None:
+    """Issue 13: numbers of cells past 2^31. One plane, of a volume that takes no memory."""
+    line = np.zeros((1 << 19) + 64, np.uint8)
+    line[at + 1 :] = 4
+    values = np.broadcast_to(line[:, None, None], (len(line), 64, 64))
+    assert values.size > 1 << 31
+    mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 1.0)
+    assert (len(mesh.vertices), len(mesh.simplices)) == (64 * 64, 2 * 63 * 63)
+    assert (mesh.vertices[:, 0] == at + 0.25).all()
+    assert np.array_equal(np.unique(mesh.vertices[:, 1:]), np.arange(64))
+    assert np.array_equal(np.unique(cells), at * 63 * 63 + np.arange(63 * 63))
+
+
+def test_the_numbers_of_vertices_may_pass_2_to_the_31(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slab numbers its vertices from the slab before on, so only the mesh has large numbers."""
+    monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", 200)
+    field, rule = Field.of(np.random.default_rng(5).normal(size=(9, 7, 8))), RULES["lorensen-cline"]
+    made = isoref.fast.sweep._Sweep(rule, field, 0.1, "double", with_cells=False)
+    assert made.vertex_of.dtype == np.int32
+    assert made.offset > 0
+    assert made.triangles.array.dtype == np.int64
+    with pytest.raises(FieldError, match="vertices are too many for int32"):
+        number_types("single", (1 << 31) + 1)
+
+
+def test_a_mapped_volume_is_read_in_bounded_memory(tmp_path: Path) -> None:
+    """A volume on disk: besides the mesh, no more than 25 MiB, and the same mesh."""
+    place = tmp_path / "volume.raw"
+    x = np.linspace(-1, 1, 300)
+    ball = (x[:, None, None] ** 2 + x[None, :, None] ** 2 + x[None, None] ** 2) * 80
+    ball.astype(np.uint8).tofile(place)
+    mapped = np.memmap(place, np.uint8, "r", shape=(300, 300, 300))
+    tracemalloc.start()
+    mesh = sweep(RULES["asymptotic-decider"], Field.of(mapped), 40.0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(mesh.simplices) > 100_000
+    # What is reserved counts here, written or not: at most half as much again as the mesh.
+    assert peak < 2.5 * (mesh.vertices.nbytes + mesh.simplices.nbytes) + (25 << 20)
+    same = sweep(RULES["asymptotic-decider"], Field.of(np.array(mapped)), 40.0)
+    assert np.array_equal(mesh.vertices, same.vertices)
+    assert np.array_equal(mesh.simplices, same.simplices)
+
+
+def test_threads_may_sweep_and_learn_at_once() -> None:
+    """A promise of the package: concurrent calls give the same answer."""
+    fields = [Field.of(np.random.default_rng(n).normal(size=(6, 7, 8))) for n in range(12)]
+    rule = replace(RULES["trilinear-cubes"], name="trilinear-cubes, not yet learned")
+    with ThreadPoolExecutor(6) as pool:
+        found = list(pool.map(lambda field: sweep(rule, field, 0.0), fields))
+    for field, mesh in zip(fields, found, strict=True):
+        same = sweep(RULES["trilinear-cubes"], field, 0.0)
+        assert_same(mesh, same)
+
+
+def test_tiles_are_asked_for_once() -> None:
+    """What was learned of a rule is kept for the next call; a new rule is learned anew."""
+    asked: list[int] = []
+
+    def tile(signs: int, decisions: int) -> Tile:
+        asked.append(signs)
+        return RULES["lorensen-cline"].tile(signs, decisions)
+
+    field = Field.of(np.random.default_rng(1).normal(size=(9, 9, 9)))
+    rule = Rule("counting", tile)
+    sweep(rule, field, 0.0)
+    assert len(asked) == len(set(asked)) > 100
+    before = len(asked)
+    sweep(rule, field, 0.0)
+    assert len(asked) == before
 
 
 def test_triangles_come_in_the_order_of_their_cells() -> None:

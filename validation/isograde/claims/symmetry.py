@@ -199,8 +199,8 @@ def _off_the_border(lattice: Lattice, mesh: Complex) -> Complex:
     slack = lattice.tolerance
     within = ((where >= 1 - slack) & (where <= last + slack)).all(axis=(1, 2))
     # Flat ones in the outermost planes belong to cells on either side.
-    flat = (np.abs(where - 1) <= slack).all(axis=1) | (np.abs(where - last) <= slack).all(axis=1)
-    return Complex(mesh.points, mesh.simplices[within & ~flat.any(axis=1)])
+    low, high = (np.all(np.abs(where - plane) <= slack, axis=1) for plane in (1, last))
+    return Complex(mesh.points, mesh.simplices[within & ~np.any(low | high, axis=1)])
 
 
 def _clear(trial: Trial, mesh: Complex, rows: Integers) -> Integers:
@@ -314,8 +314,7 @@ def _on_edges(lattice: Lattice, mesh: Complex) -> Floats:
     """The places of the vertices in use that stand on lattice edges, off tied samples."""
     places = mesh.points[mesh.used]
     whole = (np.abs(places - np.rint(places)) <= lattice.tolerance).sum(axis=1)
-    places = places[whole >= lattice.n - 1]
-    return places[~lattice.beside_tie(places)] if len(places) else places
+    return _free(lattice, places[whole >= lattice.n - 1])
 
 
 def _moved(lattice: Lattice, mine: Floats, theirs: Floats) -> str:

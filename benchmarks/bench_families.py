@@ -1,0 +1,153 @@
+"""Marching tetrahedra and dual surfaces beside the libraries, in turn, in one process, one thread.
+
+Prints a Markdown table for each field and family: seconds, ratio to the first row, extra peak
+memory, triangles. What a contestant is given ready-made is not timed: VTK's contour filter for
+unstructured grids gets the tetrahedra, VTK's surface nets the labels. Run ``python
+benchmarks/bench_families.py --help``; `make benchmarks` keeps the tables in
+`reports/benchmarks/families.md`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from bench_extraction import gyroid, noise, sphere
+from isoref.field import Array, Field
+from isoref.methods import METHODS
+from stopwatch import interleave, machine_state, peak_memory
+
+Run = Callable[[], int]
+FIELDS: dict[str, Callable[[], Array]] = {
+    "sphere 96^3": lambda: sphere(96),
+    "smoothed noise 96^3": lambda: noise(96),
+    "gyroid 96^3": lambda: gyroid(96),
+}
+FAMILIES = {
+    "Tetrahedra": ("marching-tetrahedra-five", "marching-tetrahedra-kuhn", "simplicial"),
+    "Dual surfaces": ("dual-marching-cubes", "surface-nets"),
+}
+
+
+def ours(name: str, values: Array) -> Run:
+    """A method of the catalogue; each run returns how many triangles it made."""
+    field = Field.of(values)
+    return lambda: len(METHODS[name](field, 0.0).simplices)
+
+
+def skimage(values: Array) -> dict[str, Run]:
+    """scikit-image's marching cubes, where it is installed."""
+    if not importlib.util.find_spec("skimage"):
+        return {}
+    from skimage.measure import marching_cubes
+
+    return {"skimage lewiner": lambda: len(marching_cubes(values, 0.0)[1])}
+
+
+def vtk_tetrahedra(values: Array) -> dict[str, Run]:
+    """VTK's contours of the volume cut into tetrahedra beforehand, five a cell."""
+    if not importlib.util.find_spec("vtkmodules"):
+        return {}
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkSMPTools
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkFiltersCore import vtkContourGrid
+    from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
+
+    vtkSMPTools.Initialize(1)
+    image = vtkImageData()
+    image.SetDimensions(*values.shape[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(values.reshape(-1)))
+    cut = vtkDataSetTriangleFilter()
+    cut.SetInputData(image)
+    cut.Update()
+    grid = cut.GetOutput()
+
+    def run() -> int:
+        contour = vtkContourGrid()
+        contour.SetInputData(grid)
+        contour.SetValue(0, 0.0)
+        contour.ComputeNormalsOff()
+        contour.GenerateTrianglesOn()
+        contour.Update()
+        return int(contour.GetOutput().GetNumberOfCells())
+
+    return {"VTK contour grid": run}
+
+
+def vtk_nets(values: Array) -> dict[str, Run]:
+    """VTK's surface nets of the labels, without smoothing, in triangles."""
+    if not importlib.util.find_spec("vtkmodules"):
+        return {}
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkSMPTools
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkFiltersCore import vtkSurfaceNets3D
+
+    vtkSMPTools.Initialize(1)
+    labels = np.ascontiguousarray((values >= 0).astype(np.int16))
+    image = vtkImageData()
+    image.SetDimensions(*values.shape[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(labels.reshape(-1)))
+
+    def run() -> int:
+        nets = vtkSurfaceNets3D()
+        nets.SetInputData(image)
+        nets.SetValue(0, 1)
+        nets.SmoothingOff()
+        nets.SetOutputMeshTypeToTriangles()
+        nets.Update()
+        return int(nets.GetOutput().GetNumberOfCells())
+
+    return {"VTK surface nets": run}
+
+
+PEERS = {"Tetrahedra": vtk_tetrahedra, "Dual surfaces": vtk_nets}
+
+
+def table(family: str, name: str, values: Array, rounds: int) -> str:
+    """The Markdown table of one family on one field."""
+    contestants = {f"isoref {method}": ours(method, values) for method in FAMILIES[family]}
+    contestants |= PEERS[family](values)
+    contestants["isoref asymptotic-decider"] = ours("asymptotic-decider", values)
+    contestants |= skimage(values)
+    lines = [
+        f"## {family}: {name}",
+        "",
+        "| | median s (least to most) | time / first | extra peak MiB | triangles |",
+        "| --- | ---: | ---: | ---: | ---: |",
+    ]
+    for timing in interleave(contestants, rounds):
+        run = contestants[timing.name]
+        memory = peak_memory(run) / 2**20
+        lines.append(
+            f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} | {run():,} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run the tables and write them down."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--fields", nargs="*", choices=list(FIELDS), default=list(FIELDS))
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/families.md"))
+    arguments = parser.parse_args()
+    parts = [
+        "# Other families, one thread",
+        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
+        "ratios carry over.",
+    ]
+    for name in arguments.fields:
+        for family in FAMILIES:
+            parts.append(table(family, name, FIELDS[name](), arguments.rounds))
+            print(parts[-1], flush=True)
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
