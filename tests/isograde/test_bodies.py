@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from hashlib import sha256
 from itertools import combinations, product
 from math import ceil, inf, sqrt
@@ -43,6 +43,14 @@ SURFACES = [
 ]
 SMALL = [case_id for case_id in SURFACES if "sphere" in case_id]
 TORUS = "bodies/3-1/torus-64-float64"
+
+
+def posed(names: Iterable[str]) -> list[Any]:
+    """These cases, the large ones marked as slow."""
+    return [
+        pytest.param(name, marks=pytest.mark.slow) if CASES[name].samples > 50_000 else name
+        for name in names
+    ]
 
 
 def body_of(case: Case) -> Body:
@@ -367,7 +375,7 @@ def naive_nets(values: Volume, isovalue: float, *, centred: bool = False) -> Mes
 
 
 @pytest.mark.parametrize(
-    "case_id", [k for k, v in CASES.items() if (body_of(v).n, body_of(v).m) not in HEAVY]
+    "case_id", posed(k for k, v in CASES.items() if (body_of(v).n, body_of(v).m) not in HEAVY)
 )
 def test_simplices_of_every_kind_are_within_the_bounds_of_a_split(case_id: str) -> None:
     """`isoref.simplicial` draws the zeros of the Kuhn split's linear interpolant."""
@@ -413,7 +421,7 @@ def test_methods_of_the_reference_are_within_the_bounds_of_their_family(name: st
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
-@pytest.mark.parametrize("case_id", SURFACES)
+@pytest.mark.parametrize("case_id", posed(SURFACES))
 def test_libraries_are_within_the_bounds_of_edges(library: Extractor, case_id: str) -> None:
     """scikit-image, PyMCubes and VTK."""
     case = CASES[case_id]
@@ -439,7 +447,7 @@ def test_contours_of_a_library_are_within_the_bounds_of_edges(case_id: str) -> N
     judged(case, mesh, allowed(case, "multilinear", "edges"))
 
 
-@pytest.mark.parametrize("case_id", SURFACES)
+@pytest.mark.parametrize("case_id", posed(SURFACES))
 def test_surface_nets_are_within_the_bounds_of_cells(case_id: str) -> None:
     """Naive surface nets leave the body further than marching cubes may, and no further."""
     case = CASES[case_id]
@@ -448,7 +456,7 @@ def test_surface_nets_are_within_the_bounds_of_cells(case_id: str) -> None:
     assert found.to_body > allowed(case, "multilinear", "edges").largest
 
 
-@pytest.mark.parametrize("case_id", SURFACES)
+@pytest.mark.parametrize("case_id", posed(SURFACES))
 def test_labels_are_within_their_bounds(case_id: str) -> None:
     """Vertices halfway along edges; nets of labels, their vertices averages or centres of cells."""
     case = CASES[case_id]
@@ -462,7 +470,7 @@ def test_labels_are_within_their_bounds(case_id: str) -> None:
 
 
 @pytest.mark.parametrize("reach", [0.7, 1.5, 3.0])
-@pytest.mark.parametrize("case_id", SURFACES)
+@pytest.mark.parametrize("case_id", posed(SURFACES))
 def test_a_resampler_is_within_the_bounds_of_its_reach(case_id: str, reach: float) -> None:
     """Marching cubes on a lattice of its own, of steps up to `reach` cells, multilinear between."""
     from scipy.ndimage import map_coordinates
@@ -504,7 +512,7 @@ LIGHT = [
 ]
 
 
-@pytest.mark.parametrize("case_id", LIGHT)
+@pytest.mark.parametrize("case_id", posed(LIGHT))
 def test_an_empty_mesh_and_one_simplex_are_caught(case_id: str) -> None:
     """Nothing, or one simplex for every field."""
     case = CASES[case_id]
@@ -519,6 +527,7 @@ def test_an_empty_mesh_and_one_simplex_are_caught(case_id: str) -> None:
     assert {"to_body", "to_mesh"} <= caught
 
 
+@pytest.mark.slow
 def test_the_same_mesh_for_every_field_is_caught_on_all_but_its_own_body() -> None:
     """Whichever right mesh of a kind is answered always."""
     listed = [case for case in CASES.values() if "/3-1/" in case.id]
@@ -565,7 +574,7 @@ FAULTS: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 @pytest.mark.parametrize(
-    "case_id", ["bodies/3-1/sphere-16-uint8", "bodies/3-1/two-spheres-33-float64", TORUS]
+    "case_id", posed(["bodies/3-1/sphere-16-uint8", "bodies/3-1/two-spheres-33-float64", TORUS])
 )
 def test_a_fault_of_surfaces_is_caught_by_the_number_that_shows_it(
     case_id: str, fault: str
@@ -578,7 +587,7 @@ def test_a_fault_of_surfaces_is_caught_by_the_number_that_shows_it(
     assert number in wrong(case, break_it(mesh))
 
 
-@pytest.mark.parametrize("case_id", ["bodies/3-1/sphere-17-float64", TORUS])
+@pytest.mark.parametrize("case_id", posed(["bodies/3-1/sphere-17-float64", TORUS]))
 def test_a_scale_by_n_over_n_minus_1_and_another_radius_are_caught(case_id: str) -> None:
     """The spacing of n samples taken for that of n - 1 intervals; a body half a cell too large."""
     case = CASES[case_id]
@@ -590,7 +599,7 @@ def test_a_scale_by_n_over_n_minus_1_and_another_radius_are_caught(case_id: str)
     assert {"mean", "to_body"} <= wrong(case, larger)
 
 
-@pytest.mark.parametrize("case_id", [k for k in LIGHT if k.endswith("-float64") and "16" in k])
+@pytest.mark.parametrize("case_id", posed(k for k in LIGHT if k.endswith("-float64") and "16" in k))
 def test_shifts_orientation_and_doubling_are_caught_in_every_kind(case_id: str) -> None:
     """What is said of surfaces holds for curves, points and sets in four and five dimensions."""
     case = CASES[case_id]
@@ -607,6 +616,7 @@ def test_shifts_orientation_and_doubling_are_caught_in_every_kind(case_id: str) 
 # -- the cases -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cases_are_posed_as_the_design_says() -> None:
     """As floats and as bytes, of 2^e and 2^e + 1 samples, with no sample at its isovalue."""
     assert len(CASES) == 4 * len(BODIES)

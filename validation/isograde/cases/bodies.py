@@ -2,8 +2,9 @@
 
 Every body of `isograde.oracles.bodies` in boxes of 2^e and of 2^e + 1 samples along the axes, as
 float64 and as uint8. The two smallest bodies of a kind are run by default, each once in either box
-and once as either type, and one torus; the rest is tagged "full". In up to three dimensions these
-two come as float32 and int16 as well, for who takes nothing else.
+and once as either type, and one torus; beyond space, one as floats in a box of 2^e samples, the
+other as bytes in one of 2^e + 1; the rest is tagged "full". In up to three dimensions these two
+come as float32 and int16 as well, for who takes nothing else.
 
 Facts: "body", and "rounding", by how many cells the samples are off, and an answer in single
 precision.
@@ -64,6 +65,9 @@ def of_kind(n: int, m: int) -> Iterator[Case]:
             for number, samples in enumerate(ISOVALUES):
                 turn = plain.index(index) if index in plain else -1
                 full = turn < 0 or (number + odd + turn) % 2 == 1
+                # Beyond space a mesh may have a quarter of a million simplices: one case a body.
+                if n > 3:
+                    full = not number == odd == turn
                 if number < 2 or (n <= 3 and not full):
                     yield _case(body, samples, full=full)
 
