@@ -7,7 +7,7 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: help grade test quick lint proof papers benchmarks reports docs clean
+.PHONY: help grade test quick lint correct proof papers benchmarks reports docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -15,6 +15,7 @@ help:
 	@echo "make quick       the tests that are not marked slow"
 	@echo "make lint        ruff and mypy"
 	@echo "make proof       the theorem on cube rules, checked by Coq from nothing, and every rule's tiles"
+	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make docs        the site, in docs/_build"
@@ -43,6 +44,9 @@ lint: $(STAMP)
 # Skips itself, with a word, where there is no coqc (Debian: apt-get install coq).
 proof: $(STAMP)
 	$(BIN)/python validation/proofs/make.py
+
+correct: $(STAMP)
+	$(BIN)/python -m tests.isograde.whole_plan
 
 papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
