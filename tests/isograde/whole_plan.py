@@ -1,7 +1,7 @@
 """Every correct extractor on the whole default plan: ``make correct``, or with names of some.
 
-What the tests judge on a chosen part of the plan (`tests/isograde/test_correct.py`) is judged here on
-all of it. A line an extractor says what it reached and which promise the grader thinks is broken:
+What the tests judge on a chosen part of the plan (`tests/isograde/test_correct.py`) is judged here
+on all of it. A line an extractor says what it reached and which promise the grader thinks broken:
 each would be a false alarm. Ends with 1 where there is one.
 """
 
