@@ -56,7 +56,11 @@ def judged(spec: str, asked: Iterable[Case]) -> Said:
     try:
         worker = Worker(adapter, adapter.open(Limits()), cases, ASKED)
         for case in cases.values():
-            claims = tuple(name for name, claim in ASKED.items() if claim.applies_to(case))
+            claims = tuple(
+                name
+                for name, claim in ASKED.items()
+                if claim.applies_to(case) and claim.held(worker.declaration)
+            )
             for claim, finding in worker.judge(Task(case.id, claims)).findings.items():
                 found.setdefault(finding.verdict.value, set()).add(f"{case.id} {claim}")
     finally:
