@@ -20,7 +20,9 @@ node        0 .. 11 the point where the surface crosses that edge; 12, 13, .. in
 placement   how an interior point is placed: from g (8, n) and the crossings (12, n, 3), in
             coordinates of the cell (0 .. 1 on each axis; NaN on an edge that is not crossed), to
             n points (n, 3). One that does not look at the crossings may say so, and spare them:
-            it has an attribute `asks_crossings` that is False
+            it has an attribute `asks_crossings` that is False. One that does the same in many
+            tiles but for some numbers may be in two steps: ``begin(g, crossings)`` gives these
+            numbers, (n, k), and ``finish(g, begun)`` the points, whatever the tiles
 """
 
 from __future__ import annotations

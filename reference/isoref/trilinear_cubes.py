@@ -138,11 +138,31 @@ def tunnels(g: Floats) -> tuple[Booleans, Booleans]:
 
     Exact: what floats cannot tell for sure is decided anew in integers, by the same lines.
     """
-    there, joins_inside, sure = read(normalised(g), ERROR, ERROR_AT_MIDDLE)
-    doubtful = np.flatnonzero(~sure)
-    if len(doubtful):
-        there[doubtful], joins_inside[doubtful], _ = read(integers(g[:, doubtful]), 0, 0)
+    there, joins_inside = np.zeros((2, g.shape[1]), bool)
+    left = maybe(normalised(g))
+    if len(left):
+        g = g[:, left]
+        there[left], joins_inside[left], sure = read(normalised(g), ERROR, ERROR_AT_MIDDLE)
+        doubtful = np.flatnonzero(~sure)
+        if len(doubtful):
+            exact = read(integers(g[:, doubtful]), 0, 0)
+            there[left[doubtful]], joins_inside[left[doubtful]] = exact[:2]
     return there, joins_inside
+
+
+def maybe(g: Floats) -> Integers:
+    """The cells, of n with normalised values g (8, n), that can have a tunnel, (m,) in order.
+
+    Most cells fail the first condition on the first axis beyond doubt: c0 and c2 of one sign, c1 of
+    the other. Those that are left are looked at along the second axis, and so on.
+    """
+    left = np.arange(g.shape[1])
+    for axis in range(3):
+        c0, c1, c2 = quadratic(g, axis)
+        s0, s1, s2 = (sign(x, ERROR) for x in (c0, c1, c2))
+        possible = np.flatnonzero((s0 * s2 >= 0) & (s0 * s1 <= 0) & (s1 * s2 <= 0))
+        left, g = left[possible], g.take(possible, axis=1)
+    return left
 
 
 def read(g: Array, error: float, error_at_middle: float) -> tuple[Booleans, Booleans, Booleans]:
@@ -488,10 +508,20 @@ class OnWaist:
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points, (n, 3)."""
+        return self.finish(g, self.begin(g, crossings))
+
+    def begin(self, g: Floats, crossings: Floats) -> Floats:
+        """(n, 2) the corner and what to flip, for each cell."""
+        return np.tile(np.array([self.corner, self.swap], np.float64), (g.shape[1], 1))
+
+    @staticmethod
+    def finish(g: Floats, begun: Floats) -> Floats:
+        """The points, (n, 3)."""
+        given, swap = begun.astype(np.int64).T
         y, z = (coefficients(g, axis)[0] for axis in (1, 2))
         pole = _pole(y, z)
-        at_pole = (pole == self.corner) | (pole == 7 - self.corner)
-        corner = np.where(at_pole, self.corner ^ self.swap, self.corner)
+        at_pole = (pole == given) | (pole == 7 - given)
+        corner = np.where(at_pole, given ^ swap, given)
         points = np.empty((g.shape[1], 3))
         for axis in range(3):
             low, high = roots(g, axis)
@@ -511,8 +541,16 @@ class OnSurface:
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points, (n, 3)."""
+        return self.finish(g, self.begin(g, crossings))
+
+    def begin(self, g: Floats, crossings: Floats) -> Floats:
+        """(n, 3) the mean of the polygon's crossings."""
+        return np.asarray(crossings[list(self.polygon)].mean(axis=0))
+
+    @staticmethod
+    def finish(g: Floats, mean: Floats) -> Floats:
+        """The points, (n, 3)."""
         scaled = normalised(g)
-        mean: Floats = crossings[list(self.polygon)].mean(axis=0)
         found = _leaves(scaled, mean)
         other_side = (g >= 0) != (interpolate(scaled, mean) >= 0)
         distance = np.where(other_side, ((found - mean) ** 2).sum(axis=-1), np.inf)

@@ -35,6 +35,7 @@ Triangles come slab by slab, within a slab group by group; `sweep_with_cells` so
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property, lru_cache
@@ -161,6 +162,11 @@ class _Tables:
             np.array(place, np.int64),
             {n: np.ascontiguousarray(np.array(nodes).T) for n, nodes in averages.items()},
         )
+
+    def steps(self, edge_steps: Integers) -> list[Integers]:
+        """For each group (K, 3 T): from 3 * place of a cell to the edge of each node."""
+        steps = np.append(edge_steps, 0)
+        return [_take(steps, np.minimum(group.nodes, 12)) for group in self.groups]
 
 
 def _inside(tile: Tile) -> _Inside:
@@ -510,6 +516,8 @@ class _Sweep:
 
     def _parts(self, cells: _Found, planes: int) -> list[int]:
         """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
+        if 8 * len(cells.where) <= PART_CELLS:
+            return [0, planes]
         starts = np.searchsorted(cells.where, self.lattice.plane_bytes * np.arange(planes + 1))
         before = np.append(0, np.cumsum(_take(_POPULATION, cells.found)))[starts]
         parts = [0]
@@ -732,10 +740,7 @@ class _Sweep:
         """Tables that hold the tiles of these keys, and with them the steps to their nodes."""
         tables = self.tiles.learn(keys)
         if tables is not self.tables or not self.steps:
-            self.tables = tables
-            steps = np.append(self.lattice.edge_steps, 0)
-            self.steps = [_take(steps, np.minimum(group.nodes, 12)) for group in tables.groups]
-            self.inner = [group.nodes - 12 for group in tables.groups]
+            self.tables, self.steps = tables, tables.steps(self.lattice.edge_steps)
         return tables
 
     def _nodes(self, number: int, row: Integers, base: Integers) -> Array:
@@ -777,9 +782,11 @@ class _Sweep:
         end = np.cumsum(own)
         inner = end - own + self.vertices.size
         out = self.vertices.more(int(end[-1]))
-        node = self.inner[number].take(_take(self.tables.row, key), axis=0, mode="clip")
-        inside = inner[:, None] - self.offset + node
-        np.copyto(found, inside, where=node >= 0, casting="same_kind")
+        node = self.tables.groups[number].nodes.take(
+            _take(self.tables.row, key), axis=0, mode="clip"
+        )
+        inside = (inner - self.offset - 12)[:, None] + node
+        np.copyto(found, inside, where=node >= 12, casting="same_kind")
 
         # Place averages here and now, all others at the end.
         index = [cells.lattice_index(axis, rows) for axis in range(3)]
@@ -796,9 +803,12 @@ class _Sweep:
         """Place the averages of n cells, `own` (n,) in each, cell by cell."""
         # Find the average that each point is; take those of as many nodes together.
         tables = self.tables
-        cell = np.repeat(np.arange(len(own)), own)
-        nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
-        mean = _take(tables.means, _take(key, cell)) + nth
+        if (own == 1).all():
+            cell, mean = np.arange(len(own)), _take(tables.means, key)
+        else:
+            cell = np.repeat(np.arange(len(own)), own)
+            nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
+            mean = _take(tables.means, _take(key, cell)) + nth
         length = _take(tables.length, mean)
         order = np.argsort(length, kind="stable")
         start = 0
@@ -831,10 +841,14 @@ class _Sweep:
         """Write the positions of interior points, the cells of one key together."""
         if not self.deferred:
             return
+
+        # Ask each tile where its points are, or for what tells it.
         keys = np.concatenate([part.keys for part in self.deferred])
         g = np.concatenate([part.g for part in self.deferred], axis=1)
         first = np.concatenate([part.first for part in self.deferred])
         cells = [np.concatenate([part.cells[a] for part in self.deferred]) for a in range(3)]
+        later: dict[Callable[[Floats, Floats], Floats], list[tuple[Integers, Integers, Floats]]]
+        later = {}
         order = np.argsort(keys, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
             own = g[:, rows]
@@ -842,8 +856,22 @@ class _Sweep:
             asks = any(getattr(place, "asks_crossings", True) for place in interior)
             crossings = cell_crossings(own) if asks else _NO_CROSSINGS
             for n, place in enumerate(interior):
-                inside = place(own, crossings)
-                out = np.empty((len(rows), 3), self.vertices.array.dtype)
-                for axis in range(3):
-                    out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
-                self.vertices.array[first[rows] + n] = out
+                if hasattr(place, "finish"):
+                    begun = place.begin(own, crossings)  # type: ignore[attr-defined]
+                    later.setdefault(place.finish, []).append((rows, first[rows] + n, begun))
+                else:
+                    self._put(first[rows] + n, cells, rows, place(own, crossings))
+
+        # Finish what many tiles have in common, for the cells of all of them at once.
+        for finish, begun_ones in later.items():
+            rows, numbers, begun = (np.concatenate(x) for x in zip(*begun_ones, strict=True))
+            self._put(numbers, cells, rows, finish(g[:, rows], begun))
+
+    def _put(
+        self, numbers: Integers, cells: list[Integers], rows: Integers, inside: Floats
+    ) -> None:
+        """Write the positions of vertices that are at `inside` (n, 3) in the cells `rows` (n,)."""
+        out = np.empty((len(rows), 3), self.vertices.array.dtype)
+        for axis in range(3):
+            out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
+        self.vertices.array[numbers] = out
