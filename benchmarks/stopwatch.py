@@ -26,11 +26,16 @@ import psutil
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds of one contestant, a number a round, and the median of the first contestant."""
+    """Seconds of one contestant, a number a round, and the median of the first contestant.
+
+    processor : seconds of the processor that this process used, which others on the machine
+        disturb less, though they share its caches and its memory
+    """
 
     name: str
     seconds: tuple[float, ...]
     first: float
+    processor: tuple[float, ...] = ()
 
     @property
     def median(self) -> float:
@@ -41,6 +46,18 @@ class Timing:
     def ratio(self) -> float:
         """The median over that of the first contestant."""
         return self.median / self.first
+
+    def over(self, other: Timing) -> tuple[float, float, float]:
+        """The median of the ratios to another contestant round by round, and their quartiles.
+
+        Of processor time, where it is known.
+        """
+        own, theirs = (t.processor or t.seconds for t in (self, other))
+        ratios = [a / b for a, b in zip(own, theirs, strict=True)]
+        if len(ratios) == 1:
+            return ratios[0], ratios[0], ratios[0]
+        low, middle, high = statistics.quantiles(ratios, n=4, method="inclusive")
+        return middle, low, high
 
     def shown(self, digits: int = 4, scale: float = 1.0) -> str:
         """The median, times `scale`, with the least and the largest of the rounds.
@@ -54,7 +71,9 @@ class Timing:
 
 def machine_state(*others: str) -> str:
     """The machine, the versions, and the load at this moment, in one sentence."""
-    busy = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors when this began"
+    load, processors = os.getloadavg()[0], os.cpu_count() or 1
+    quiet = "" if load < 0.25 * processors else ", a busy machine: the ratios are rough"
+    busy = f"load {load:.1f} on {processors} processors when this began{quiet}"
     versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
     return ", ".join([platform.machine(), versions, *others, busy])
 
@@ -66,14 +85,18 @@ def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5)
     for run in contestants.values():
         run()
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
+    processor: dict[str, list[float]] = {name: [] for name in contestants}
     for _ in range(rounds):
         for name, run in contestants.items():
             gc.collect()
-            start = time.perf_counter()
+            start, used = time.perf_counter(), time.process_time()
             run()
+            processor[name].append(time.process_time() - used)
             seconds[name].append(time.perf_counter() - start)
     first = statistics.median(seconds[next(iter(contestants))])
-    return [Timing(name, tuple(own), first) for name, own in seconds.items()]
+    return [
+        Timing(name, tuple(own), first, tuple(processor[name])) for name, own in seconds.items()
+    ]
 
 
 def peak_memory(run: Callable[[], object], interval: float = 0.001) -> int:
