@@ -289,11 +289,6 @@ class _Lattice:
     n3: int
     row_bytes: int
 
-    @classmethod
-    def of(cls, shape: tuple[int, ...]) -> _Lattice:
-        """The planes of a volume of this shape."""
-        return cls(shape[1], shape[2], -(-shape[2] // 8))
-
     @property
     def row(self) -> int:
         """Places of a row."""
@@ -335,6 +330,12 @@ _LOWER = np.ascontiguousarray(CORNER_OFFSETS[EDGE_CORNERS[:, 0]].T.astype(np.flo
 
 # How many bits of a byte are set.
 _POPULATION = np.array([n.bit_count() for n in range(256)])
+
+
+@lru_cache(maxsize=64)
+def _lattice(n2: int, n3: int) -> _Lattice:
+    """The planes of so many samples, with what was worked out for them before."""
+    return _Lattice(n2, n3, -(-n3 // 8))
 
 
 @dataclass(frozen=True, eq=False)
@@ -430,7 +431,7 @@ class _Sweep:
         self.field, self.tiles, self.with_cells = field, _tiles(rule), with_cells
         self.values = field.values.reshape(field.shape)
         self.level = least_inside(field.values.dtype, self.isovalue)
-        self.lattice = _Lattice.of(field.shape)
+        self.lattice = _lattice(*field.shape[1:])
         self.tables = self.tiles.tables
         self.steps: list[Integers] = []
         self.vertices = _Growing(3, real, 1 << 12)
@@ -468,7 +469,8 @@ class _Sweep:
         self.crossed = np.zeros(8 * words, np.uint8)
         self.is_set = np.empty(words, np.bool_)
         has_next = np.packbits(np.arange(lattice.row) < lattice.n3 - 1, bitorder="little")
-        self.has_next = np.tile(has_next, (planes + 1) * lattice.n2)
+        self.has_next = np.empty(size, np.uint8)
+        self.has_next.reshape(-1, lattice.row_bytes)[:] = has_next
         self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
