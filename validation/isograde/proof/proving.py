@@ -189,7 +189,7 @@ DECISIONS = {
 
 
 CELL_HOW = (
-    "on the same pairs: all in one call, in smaller ones, backwards, in another layout, and some by "
+    "on the same pairs: all in one call, in smaller ones, backwards, in another layout, some by "
     "themselves"
 )
 
