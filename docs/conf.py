@@ -25,7 +25,7 @@ CHAPTERS = {
         "marching_vesta",
         "freeze_out",
         "hypersurface",
-    ),  # fmt: skip
+    ),
     "Other families": (
         "dual",
         "surface_nets",
