@@ -50,7 +50,7 @@ from isoref.cycles import Triangle
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
 from isoref.mesh import Mesh, Precision, number_types
 from isoref.rule import Average, Rule, Tile
-from isoref.sweep import cell_crossings, check_volume, crossing_parameter
+from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
 Bytes = NDArray[np.uint8]
 
@@ -418,6 +418,23 @@ class _Deferred:
     first: Integers
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part of a slab: its cells between two of the slab's planes.
+
+    first : the first plane of the slab in the volume
+    planes : how many planes of cells the slab has
+    low, high : the planes between which the part lies, counted from the slab's first
+    samples : of the slab, flat
+    """
+
+    first: int
+    planes: int
+    low: int
+    high: int
+    samples: Array
+
+
 class _Sweep:
     """One passage through a volume: what a slab needs to know of the one before, and the mesh."""
 
@@ -490,23 +507,23 @@ class _Sweep:
         crossed, active = self._crossed_and_active(first, planes)
 
         # Number the vertices from the first one of the slab before, which shares a plane.
-        begun = self.vertices.size
-        kept = self.parameters[self.begun - self.offset : begun - self.offset].copy()
+        size = self.vertices.size
+        kept = self.parameters[self.begun - self.offset : size - self.offset].copy()
         self.parameters[: len(kept)] = kept
-        self.offset, self.begun = self.begun, begun
+        self.offset, self.begun = self.begun, size
         self.vertex_of[self.upper_edges] = self.upper_vertices
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
-        # Go through the active cells part by part, planes with their upper edges.
+        # Go through the active cells part by part.
         edges, cells = self._not_zero(crossed), self._not_zero(active)
-        some = len(edges.where) > 0
-        samples = self._samples(first, planes if some else 0)
-        parts = self._parts(cells, planes) if some else []
-        for low, high in pairwise(parts):
-            for array in (self.vertices, self.triangles, self.cells):
-                array.done = (first + high) / (self.field.shape[0] - 1)
-            self._make_crossings(first, low, high, planes, samples, edges, begun)
-            self._make_cells(first, samples, _between(cells, low * plane, high * plane))
+        if len(edges.where):
+            samples = self._samples(first, planes)
+            for low, high in pairwise(self._parts(cells, planes)):
+                part = _Part(first, planes, low, high, samples)
+                for array in (self.vertices, self.triangles, self.cells):
+                    array.done = (first + high) / (self.field.shape[0] - 1)
+                self._make_crossings(part, edges)
+                self._make_cells(part, _between(cells, low * plane, high * plane))
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
@@ -595,72 +612,63 @@ class _Sweep:
 
     # --- Crossings -------------------------------------------------------------------------
 
-    def _make_crossings(
-        self,
-        first: int,
-        low: int,
-        high: int,
-        planes: int,
-        samples: Array,
-        crossed: _Found,
-        begun: int,
-    ) -> None:
-        """Number and place the crossings on the edges of a part, axis by axis.
-
-        Those between planes `low` and `high`, and on all of these planes but `low`, which the part
-        before has numbered.
-        """
-        # Find the edges; their bytes come in three segments, one an axis.
-        lattice = self.lattice
-        size, plane = (planes + 1) * lattice.plane_bytes, lattice.plane_bytes
-        own_low = low + 1 if first or low else 0
-        own = [
-            _between(crossed, low * plane, high * plane),
-            _between(crossed, size + own_low * plane, size + (high + 1) * plane),
-            _between(crossed, 2 * size + own_low * plane, 2 * size + (high + 1) * plane),
-        ]
-        where = np.concatenate([own[a].where - a * size for a in range(3)])
-        edges = _Set.of(where, np.concatenate([one.found for one in own]), lattice)
-        bounds = np.cumsum([len(one.where) for one in own[:2]])
-        ends = [0, *np.searchsorted(edges.byte, bounds).tolist(), len(edges.byte)]
+    def _make_crossings(self, part: _Part, crossed: _Found) -> None:
+        """Number and place the crossings on the edges that a part owns, axis by axis."""
+        edges, ends = self._edges(part, crossed)
         places = edges.places()
+        self._number(part, places, ends)
 
-        # Number them.
+        # Interpolate between the samples at both ends of each edge.
+        at = edges.samples()
+        below = self._relative(_take(part.samples, at))
+        for axis in range(3):
+            at[ends[axis] : ends[axis + 1]] += self.lattice.sample_steps[axis]
+        t = crossing_parameter(below, self._relative(_take(part.samples, at)))
+        self._remember(t)
+
+        # Write the positions.
+        out = self.vertices.more(len(t))
+        for axis in range(3):
+            index = edges.lattice_index(axis).astype(np.float64)
+            if axis == 0:
+                index += part.first
+            along = slice(ends[axis], ends[axis + 1])
+            index[along] += t[along]
+            out[:, axis] = self._position(index, axis)
+
+    def _edges(self, part: _Part, crossed: _Found) -> tuple[_Set, list[int]]:
+        """The crossed edges that a part owns, by their lower ends; where those of an axis end.
+
+        They are those between its planes, and on all of these but the lowest.
+        """
+        # The bytes of a slab come in three segments, one an axis.
+        plane = self.lattice.plane_bytes
+        size, lowest = (part.planes + 1) * plane, part.low + bool(part.first or part.low)
+        own = [
+            _between(crossed, part.low * plane, part.high * plane),
+            _between(crossed, size + lowest * plane, size + (part.high + 1) * plane),
+            _between(crossed, 2 * size + lowest * plane, 2 * size + (part.high + 1) * plane),
+        ]
+        where = np.concatenate([one.where - axis * size for axis, one in enumerate(own)])
+        edges = _Set.of(where, np.concatenate([one.found for one in own]), self.lattice)
+        bytes_before = np.cumsum([len(one.where) for one in own[:2]])
+        return edges, [0, *np.searchsorted(edges.byte, bytes_before).tolist(), len(edges.byte)]
+
+    def _number(self, part: _Part, places: Integers, ends: list[int]) -> None:
+        """Give the edges of a part the next numbers; keep those that the next slab needs."""
         names = 3 * places
         for axis in (1, 2):
             names[ends[axis] : ends[axis + 1]] += axis
         start = self.vertices.size - self.offset
         self.vertex_of[names] = np.arange(start, start + len(names), dtype=np.int32)
+        if part.high < part.planes:
+            return
 
-        # Keep for the next slab those on its first plane.
-        if high == planes:
-            top = planes * lattice.plane
-            kept = np.concatenate(
-                [
-                    np.arange(
-                        ends[a] + np.searchsorted(places[ends[a] : ends[a + 1]], top), ends[a + 1]
-                    )
-                    for a in (1, 2)
-                ]
-            )
-            self.upper_edges = names[kept] - 3 * top
-            self.upper_vertices = kept + (self.vertices.size - begun)
-
-        # Interpolate, and place them in space.
-        at = places if edges.sample is edges.first else edges.samples()
-        below = self._relative(_take(samples, at))
-        for axis in range(3):
-            at[ends[axis] : ends[axis + 1]] += lattice.sample_steps[axis]
-        t = crossing_parameter(below, self._relative(_take(samples, at)))
-        self._remember(t)
-        out = self.vertices.more(len(t))
-        for axis in range(3):
-            index = edges.lattice_index(axis).astype(np.float64)
-            if axis == 0:
-                index += first
-            along = slice(ends[axis], ends[axis + 1])
-            index[along] += t[along]
-            out[:, axis] = self._position(index, axis)
+        # The edges on the last plane are those on the first plane of the next slab.
+        top = part.planes * self.lattice.plane
+        kept = np.flatnonzero(places >= top)
+        self.upper_edges = names[kept] - 3 * top
+        self.upper_vertices = kept + (self.vertices.size - self.begun)
 
     def _remember(self, t: Floats) -> None:
         """Keep where on their edges the new crossings are, for the averages of cells."""
@@ -672,9 +680,11 @@ class _Sweep:
         self.parameters[start : start + len(t)] = t
 
     def _relative(self, samples: Array) -> Floats:
-        """Samples minus the isovalue."""
+        """Samples minus the isovalue, negative where they are outside."""
         values: Floats = samples.astype(np.float64)
         values -= self.isovalue
+        if samples.dtype.kind in "iu" and samples.dtype.itemsize == 8:
+            values[(values >= 0) & (samples < self.level)] = -LEAST
         return values
 
     def _position(self, index: Floats, axis: int) -> Floats:
@@ -687,12 +697,12 @@ class _Sweep:
 
     # --- Triangles -------------------------------------------------------------------------
 
-    def _make_cells(self, first: int, samples: Array, active: _Found) -> None:
+    def _make_cells(self, part: _Part, active: _Found) -> None:
         """Add the triangles of active cells, and note their interior points."""
         if not len(active.where):
             return
         cells = _Set.of(active.where, active.found, self.lattice)
-        keys = self._keys(samples, cells, self._signs(active.where, cells))
+        keys = self._keys(part.samples, cells, self._signs(active.where, cells))
         tables = self._learn(keys)
         group = _take(tables.group, keys)
         order = np.argsort(group, kind="stable")
@@ -710,15 +720,13 @@ class _Sweep:
             key = _take(keys, rows)
             found = self._nodes(number, _take(tables.row, key), _take(base, rows))
             if tables.groups[number].inside:
-                self._add_interior(
-                    number, first, samples, cells, rows, key, _take(base, rows), found
-                )
+                self._add_interior(part, number, cells, rows, key, _take(base, rows), found)
             out = self.triangles.more(n * width // 3)
             np.add(found, self.offset, out=out.reshape(n, width))
             if self.with_cells:
                 owners.append(np.repeat(rows, width // 3))
         if owners:
-            self._sort(first, cells, np.concatenate(owners), begun)
+            self._sort(part.first, cells, np.concatenate(owners), begun)
 
     def _keys(self, samples: Array, cells: _Set, signs: Bytes) -> Array:
         """The key of each cell, its decisions taken only where the rule asks."""
@@ -734,8 +742,7 @@ class _Sweep:
         steps = (CORNER_OFFSETS @ self.lattice.sample_steps).tolist()
         g = np.empty((8, len(low)))
         for c, step in enumerate(steps):
-            g[c] = _take(samples, low + step)
-        g -= self.isovalue
+            g[c] = self._relative(_take(samples, low + step))
         return g
 
     def _learn(self, keys: Array) -> _Tables:
@@ -770,9 +777,8 @@ class _Sweep:
 
     def _add_interior(
         self,
+        part: _Part,
         number: int,
-        first: int,
-        samples: Array,
         cells: _Set,
         rows: Integers,
         key: Array,
@@ -792,11 +798,11 @@ class _Sweep:
 
         # Place averages here and now, all others at the end.
         index = [cells.lattice_index(axis, rows) for axis in range(3)]
-        index[0] += first
+        index[0] += part.first
         if self.tables.groups[number].inside == _Inside.AVERAGES:
             self._average(key, own, base, index, out)
         else:
-            g = self._corners(samples, cells.samples(rows))
+            g = self._corners(part.samples, cells.samples(rows))
             self.deferred.append(_Deferred(key, g, (index[0], index[1], index[2]), inner))
 
     def _average(

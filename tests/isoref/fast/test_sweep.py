@@ -266,7 +266,13 @@ def test_integers_beyond_what_a_float_holds_are_compared_exactly() -> None:
     rule = RULES["asymptotic-decider"]
     for carry in (sweep, sweep_plain):
         assert len(carry(rule, Field.of(values), float(2**53 + 4)).simplices) == 0
-    values[1, 1, 1] = 2**53 + 5
+    values[1, 1, 1] = 2**53 + 4
+    values[1, 1, 2] = 2**53 + 3
+    for carry in (sweep, sweep_plain):
+        mesh = carry(rule, Field.of(values), float(2**53 + 4))
+        assert len(mesh.simplices) == 8
+        assert np.isfinite(mesh.vertices).all()
+    values[1, 1, 1:] = 2**53 + 5, 2**53
     fast, plain = (
         carry(rule, Field.of(values), float(2**53 + 4)) for carry in (sweep, sweep_plain)
     )
