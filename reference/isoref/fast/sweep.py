@@ -221,25 +221,31 @@ def _tiles(rule: Rule) -> _Tiles:
 class _Growing:
     """An array that grows at its end, with room to spare, and gives the spare room back.
 
-    done : the share of the volume that is done, from which the room is guessed
+    Memory that is reserved and never written costs nothing.
     """
 
     def __init__(self, width: int, dtype: type[Any], rows: int) -> None:
         shape = (rows, width) if width else (rows,)
         self.array = np.empty(shape, dtype)
         self.size = 0
-        self.done = 1.0
 
     def more(self, rows: int) -> Array:
         """Room for so many rows, behind those that are there."""
         begun, self.size = self.size, self.size + rows
         if self.size > len(self.array):
-            # Memory that is never written costs nothing: take half as much again as is expected.
-            room = max(2 * self.size, int(1.5 * self.size / self.done))
-            larger = np.empty((room, *self.array.shape[1:]), self.array.dtype)
-            larger[:begun] = self.array[:begun]
-            self.array = larger
+            self._widen(2 * self.size, begun)
         return self.array[begun : self.size]
+
+    def foresee(self, done: float) -> None:
+        """Make room for the whole, of which this share is done, before it is short and costly."""
+        if self.size > len(self.array) * done:
+            self._widen(int(1.25 * self.size / done), self.size)
+
+    def _widen(self, rows: int, used: int) -> None:
+        """Move to a larger array."""
+        larger = np.empty((rows, *self.array.shape[1:]), self.array.dtype)
+        larger[:used] = self.array[:used]
+        self.array = larger
 
     def finished(self) -> Array:
         """The array, no larger than it has to be; the memory behind it is returned, not copied."""
@@ -491,7 +497,7 @@ class _Sweep:
         self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
-        self.parameters = np.zeros(0)
+        self.parameters = np.empty(0)
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
     def _packed(self, first: int, planes: int) -> Bytes:
@@ -520,10 +526,10 @@ class _Sweep:
             samples = self._samples(first, planes)
             for low, high in pairwise(self._parts(cells, planes)):
                 part = _Part(first, planes, low, high, samples)
-                for array in (self.vertices, self.triangles, self.cells):
-                    array.done = (first + high) / (self.field.shape[0] - 1)
                 self._make_crossings(part, edges)
                 self._make_cells(part, _between(cells, low * plane, high * plane))
+                for array in (self.vertices, self.triangles, self.cells):
+                    array.foresee((first + high) / (self.field.shape[0] - 1))
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
@@ -674,7 +680,7 @@ class _Sweep:
         """Keep where on their edges the new crossings are, for the averages of cells."""
         start = self.vertices.size - self.offset
         if len(self.parameters) < start + len(t):
-            longer = np.zeros(2 * (start + len(t)))
+            longer = np.empty(int(1.25 * (start + len(t))))
             longer[: len(self.parameters)] = self.parameters
             self.parameters = longer
         self.parameters[start : start + len(t)] = t
@@ -710,19 +716,21 @@ class _Sweep:
 
         # Take the cells of one group together: their tiles have rows of one length.
         base = 3 * cells.places()
-        begun, owners, start = self.triangles.size, [], 0
-        for number, n in enumerate(counts):
+        begun, owners, start, filled = self.triangles.size, [], 0, 0
+        widths = [group.nodes.shape[1] for group in tables.groups]
+        out = self.triangles.more(sum(n * w // 3 for n, w in zip(counts, widths, strict=True)))
+        for number, (n, width) in enumerate(zip(counts, widths, strict=True)):
             rows = order[start : start + n]
             start += n
-            width = tables.groups[number].nodes.shape[1]
             if not (n and width):
                 continue
             key = _take(keys, rows)
             found = self._nodes(number, _take(tables.row, key), _take(base, rows))
             if tables.groups[number].inside:
                 self._add_interior(part, number, cells, rows, key, _take(base, rows), found)
-            out = self.triangles.more(n * width // 3)
-            np.add(found, self.offset, out=out.reshape(n, width))
+            own = out[filled : filled + n * width // 3]
+            filled += len(own)
+            np.add(found, self.offset, out=own.reshape(n, width))
             if self.with_cells:
                 owners.append(np.repeat(rows, width // 3))
         if owners:
