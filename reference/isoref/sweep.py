@@ -15,8 +15,8 @@ linear interpolant of the two samples takes the isovalue::
 So a vertex is named by its lattice edge, and is made by the first cell that asks for the name.
 Interior points belong to their cell alone.
 
-`isoref.fast.sweep` is the vectorised twin: the same mesh, triangle by triangle, up to the
-numbering of the vertices.
+`isoref.fast.sweep` is the vectorised twin: the same mesh, triangle by triangle, up to the numbers
+of the vertices and the order of the triangles.
 
 Glossary
 --------
