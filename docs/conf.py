@@ -36,6 +36,7 @@ CHAPTERS = {
     "Where two isosurfaces meet": (
         "curves",
         "marching_faces",
+        "hermite",
         "surface_intersection",
         "plane_waves",
     ),
