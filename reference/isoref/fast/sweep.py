@@ -475,7 +475,7 @@ class _Sweep:
         layers = self.field.shape[0] - 1
         planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
         self._make_room(planes)
-        self.bits[: self.lattice.plane_bytes] = self._packed(0, 1)
+        self.bits[: self.lattice.plane_bytes] = self._packed(self.values[:1])
         for first in range(0, layers, planes):
             self._slab(first, min(planes, layers - first))
 
@@ -495,22 +495,23 @@ class _Sweep:
         self.has_next = np.empty(size, np.uint8)
         self.has_next.reshape(-1, lattice.row_bytes)[:] = has_next
         self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
+        self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
         self.parameters = np.empty(0)
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
-    def _packed(self, first: int, planes: int) -> Bytes:
-        """Whether samples are inside, a bit each, for these planes."""
-        inside = self.inside[:planes]
-        own = self.values[first : first + planes]
-        np.greater_equal(own, self.level, out=inside[:, :, : self.lattice.n3])
+    def _packed(self, samples: Array) -> Bytes:
+        """Whether the samples of these planes are inside, a bit each."""
+        inside = self.inside[: len(samples)]
+        np.greater_equal(samples, self.level, out=inside[:, :, : self.lattice.n3])
         return np.packbits(inside.reshape(-1), bitorder="little")
 
     def _slab(self, first: int, planes: int) -> None:
         """Add the cells between planes `first` and `first + planes`."""
         plane = self.lattice.plane_bytes
-        crossed, active = self._crossed_and_active(first, planes)
+        samples = self._samples(first, planes)
+        crossed, active = self._crossed_and_active(samples, bool(first))
 
         # Number the vertices from the first one of the slab before, which shares a plane.
         size = self.vertices.size
@@ -523,9 +524,8 @@ class _Sweep:
         # Go through the active cells part by part.
         edges, cells = self._not_zero(crossed), self._not_zero(active)
         if len(edges.where):
-            samples = self._samples(first, planes)
             for low, high in pairwise(self._parts(cells, planes)):
-                part = _Part(first, planes, low, high, samples)
+                part = _Part(first, planes, low, high, samples.reshape(-1))
                 self._make_crossings(part, edges)
                 self._make_cells(part, _between(cells, low * plane, high * plane))
                 for array in (self.vertices, self.triangles, self.cells):
@@ -535,9 +535,16 @@ class _Sweep:
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
 
     def _samples(self, first: int, planes: int) -> Array:
-        """The samples of these planes and of the one behind them, flat and in native order."""
+        """The samples of these planes and of the one behind them, in C order and native numbers."""
         samples = self.values[first : first + planes + 1]
-        return np.ascontiguousarray(samples, samples.dtype.newbyteorder("=")).reshape(-1)
+        if samples.flags.c_contiguous and samples.dtype.isnative:
+            return samples
+        if self.copied is None:
+            kind = samples.dtype.newbyteorder("=")
+            self.copied = np.empty(samples.shape, kind)
+        copied = self.copied[: planes + 1]
+        copied[:] = samples
+        return copied
 
     def _parts(self, cells: _Found, planes: int) -> list[int]:
         """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
@@ -551,20 +558,19 @@ class _Sweep:
             parts.append(max(parts[-1] + 1, int(np.searchsorted(before, most, "right")) - 1))
         return parts
 
-    def _crossed_and_active(self, first: int, planes: int) -> tuple[Bytes, Bytes]:
+    def _crossed_and_active(self, samples: Array, has_before: bool) -> tuple[Bytes, Bytes]:
         """Which edges of a slab are crossed, (3, planes + 1, ..), and which cells are active.
 
-        As bytes, a bit a place. Edges of the first plane are left out where the slab before has
+        As bytes, a bit a place. Edges of the first plane are left out where a slab before has
         numbered them.
         """
-        lattice = self.lattice
+        lattice, planes = self.lattice, len(samples) - 1
         row, plane = lattice.row_bytes, lattice.plane_bytes
         size, below = (planes + 1) * plane, planes * plane
         bits, shifted, touched = self.bits, self.shifted, self.touched
-        for start in range(0, planes, len(self.inside)):
-            packed = self._packed(first + 1 + start, min(len(self.inside), planes - start))
-            begin = (start + 1) * plane
-            bits[begin : begin + len(packed)] = packed
+        for start in range(1, planes + 1, len(self.inside)):
+            packed = self._packed(samples[start : start + len(self.inside)])
+            bits[start * plane : start * plane + len(packed)] = packed
 
         # Bring the next sample along axis 2 to each place.
         words = size // 8 + 1
@@ -595,7 +601,7 @@ class _Sweep:
         self.crossed[3 * size : 3 * size + 7 & -8] = 0
 
         # Leave out what the slab before has numbered.
-        if first:
+        if has_before:
             crossed[1:, :plane] = 0
         return self.crossed[: 3 * size + 7 & -8], self.carry[: below + 7 & -8]
 
