@@ -1,7 +1,7 @@
 """Ratios of times taken in turn, in one process, on one machine.
 
 An absolute time says little: machines differ and drift. Every benchmark here therefore runs its
-contestants in turn, A B C A B C .., and quotes medians with their spread, and ratios of these
+contestants in turn, A B C B C A .., and quotes medians with their spread, and ratios of these
 medians, so that a reader can check one against the other. Every report begins with
 `machine_state`: what else ran can be read off the load.
 """
@@ -79,23 +79,30 @@ def machine_state(*others: str) -> str:
 
 
 def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5) -> list[Timing]:
-    """One `Timing` a contestant, run in turn `rounds` times after one warm-up each."""
+    """One `Timing` a contestant, run in turn `rounds` times after one warm-up each.
+
+    Each round begins with the next contestant: who follows one that gives much memory back pays for
+    what the system does about it, and that should not always be the same.
+    """
     if not contestants or rounds < 1:
         raise ValueError("name at least one contestant and one round")
     for run in contestants.values():
         run()
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
     processor: dict[str, list[float]] = {name: [] for name in contestants}
-    for _ in range(rounds):
-        for name, run in contestants.items():
+    names = list(contestants)
+    for turn in range(rounds):
+        first = turn % len(names)
+        for name in names[first:] + names[:first]:
+            run = contestants[name]
             gc.collect()
             start, used = time.perf_counter(), time.process_time()
             run()
             processor[name].append(time.process_time() - used)
             seconds[name].append(time.perf_counter() - start)
-    first = statistics.median(seconds[next(iter(contestants))])
+    median = statistics.median(seconds[names[0]])
     return [
-        Timing(name, tuple(own), first, tuple(processor[name])) for name, own in seconds.items()
+        Timing(name, tuple(own), median, tuple(processor[name])) for name, own in seconds.items()
     ]
 
 
