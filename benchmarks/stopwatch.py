@@ -1,7 +1,7 @@
 """Ratios of times taken in turn, in one process, on one machine.
 
 An absolute time says little: machines differ and drift. Every benchmark here therefore runs its
-contestants in turn, A B C A B C .., and quotes medians with their spread, and ratios of these
+contestants in turn, A B C B C A .., and quotes medians with their spread, and ratios of these
 medians, so that a reader can check one against the other. Every report begins with
 `machine_state`: what else ran can be read off the load.
 """
@@ -26,11 +26,16 @@ import psutil
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds of one contestant, a number a round, and the median of the first contestant."""
+    """Seconds of one contestant, a number a round, and the median of the first contestant.
+
+    processor : seconds of the processor that this process used, which others on the machine
+        disturb less, though they share its caches and its memory
+    """
 
     name: str
     seconds: tuple[float, ...]
     first: float
+    processor: tuple[float, ...] = ()
 
     @property
     def median(self) -> float:
@@ -41,6 +46,18 @@ class Timing:
     def ratio(self) -> float:
         """The median over that of the first contestant."""
         return self.median / self.first
+
+    def over(self, other: Timing) -> tuple[float, float, float]:
+        """The median of the ratios to another contestant round by round, and their quartiles.
+
+        Of processor time, where it is known.
+        """
+        own, theirs = (t.processor or t.seconds for t in (self, other))
+        ratios = [a / b for a, b in zip(own, theirs, strict=True)]
+        if len(ratios) == 1:
+            return ratios[0], ratios[0], ratios[0]
+        low, middle, high = statistics.quantiles(ratios, n=4, method="inclusive")
+        return middle, low, high
 
     def shown(self, digits: int = 4, scale: float = 1.0) -> str:
         """The median, times `scale`, with the least and the largest of the rounds.
@@ -54,26 +71,39 @@ class Timing:
 
 def machine_state(*others: str) -> str:
     """The machine, the versions, and the load at this moment, in one sentence."""
-    busy = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors when this began"
+    load, processors = os.getloadavg()[0], os.cpu_count() or 1
+    quiet = "" if load < 0.25 * processors else ", a busy machine: the ratios are rough"
+    busy = f"load {load:.1f} on {processors} processors when this began{quiet}"
     versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
     return ", ".join([platform.machine(), versions, *others, busy])
 
 
 def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5) -> list[Timing]:
-    """One `Timing` a contestant, run in turn `rounds` times after one warm-up each."""
+    """One `Timing` a contestant, run in turn `rounds` times after one warm-up each.
+
+    Each round begins with the next contestant: who follows one that gives much memory back pays for
+    what the system does about it, and that should not always be the same.
+    """
     if not contestants or rounds < 1:
         raise ValueError("name at least one contestant and one round")
     for run in contestants.values():
         run()
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
-    for _ in range(rounds):
-        for name, run in contestants.items():
+    processor: dict[str, list[float]] = {name: [] for name in contestants}
+    names = list(contestants)
+    for turn in range(rounds):
+        first = turn % len(names)
+        for name in names[first:] + names[:first]:
+            run = contestants[name]
             gc.collect()
-            start = time.perf_counter()
+            start, used = time.perf_counter(), time.process_time()
             run()
+            processor[name].append(time.process_time() - used)
             seconds[name].append(time.perf_counter() - start)
-    first = statistics.median(seconds[next(iter(contestants))])
-    return [Timing(name, tuple(own), first) for name, own in seconds.items()]
+    median = statistics.median(seconds[names[0]])
+    return [
+        Timing(name, tuple(own), median, tuple(processor[name])) for name, own in seconds.items()
+    ]
 
 
 def peak_memory(run: Callable[[], object], interval: float = 0.001) -> int:

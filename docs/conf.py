@@ -19,7 +19,13 @@ SOURCES = {
 CHAPTERS = {
     "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
     "Its repair": ("asymptotic_decider", "diagonals", "trilinear_cubes", "methods"),
-    "Volume-enclosing surfaces": ("diconex", "vesta", "marching_vesta", "freeze_out"),
+    "Volume-enclosing surfaces": (
+        "diconex",
+        "vesta",
+        "marching_vesta",
+        "freeze_out",
+        "hypersurface",
+    ),
     "Other families": (
         "dual",
         "surface_nets",
@@ -30,6 +36,7 @@ CHAPTERS = {
     "Where two isosurfaces meet": (
         "curves",
         "marching_faces",
+        "hermite",
         "surface_intersection",
         "plane_waves",
     ),

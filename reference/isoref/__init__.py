@@ -6,10 +6,11 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 1. Marching cubes: `lorensen_cline`, then what it stands on, `cycles`, `cube`, `rule`, `sweep`,
    `field` and `mesh`.
 2. Its repair: `asymptotic_decider`, `diagonals`, `trilinear_cubes`, and the catalogue, `methods`.
-3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`.
+3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`, `hypersurface`.
 4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
    `marching_tetrahedra`.
-5. Where two isosurfaces meet: `curves`, `marching_faces`, `surface_intersection`, `plane_waves`.
+5. Where two isosurfaces meet: `curves`, `marching_faces`, `hermite`, `surface_intersection`,
+   `plane_waves`.
 6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`,
    `recursive_sections`, `face_tracing`, `hypercubes`, `dyadic`, `projection`.
 """

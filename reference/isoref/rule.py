@@ -11,16 +11,24 @@ A cube algorithm is a rule. Its two halves are kept apart, as the papers keep th
 
 A sweep (`isoref.sweep`) carries a rule over a field.
 
+Invariants
+----------
+A bit of a face is a function of the face's four values alone, the same from both cells and whatever
+the magnitudes of other values; it is 0 where the face is not ambiguous. A tile names the crossed
+edges and its own interior points, all of them. `isograde prove` checks both.
+
 Glossary
 --------
 g           (8, n) corner values minus the isovalue, of n cells; inside is g >= 0
-decisions   an integer of `Rule.bits` bits; by custom bit f says that the inside corners of
-            ambiguous face f are separated, and further bits speak of the interior
+decisions   an integer of `Rule.bits` bits; bit f < 6 belongs to ambiguous face f (by custom it says
+            that the face's inside corners are separated), and further bits to the interior
 node        0 .. 11 the point where the surface crosses that edge; 12, 13, .. interior points
 placement   how an interior point is placed: from g (8, n) and the crossings (12, n, 3), in
             coordinates of the cell (0 .. 1 on each axis; NaN on an edge that is not crossed), to
             n points (n, 3). One that does not look at the crossings may say so, and spare them:
-            it has an attribute `asks_crossings` that is False
+            it has an attribute `asks_crossings` that is False. One that does the same in many
+            tiles but for some numbers may be in two steps: ``begin(g, crossings)`` gives these
+            numbers, (n, k), and ``finish(g, begun)`` the points, whatever the tiles
 """
 
 from __future__ import annotations

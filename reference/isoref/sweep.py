@@ -15,8 +15,8 @@ linear interpolant of the two samples takes the isovalue::
 So a vertex is named by its lattice edge, and is made by the first cell that asks for the name.
 Interior points belong to their cell alone.
 
-`isoref.fast.sweep` is the vectorised twin: the same mesh, triangle by triangle, up to the
-numbering of the vertices.
+`isoref.fast.sweep` is the vectorised twin: the same mesh, triangle by triangle, up to the numbers
+of the vertices and the order of the triangles.
 
 Glossary
 --------
@@ -45,6 +45,9 @@ from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, axis_of
 from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, inside_samples
 from isoref.mesh import Mesh
 from isoref.rule import Rule
+
+#: The least positive float.
+LEAST = 5e-324
 
 Cell = tuple[int, ...]
 Name = tuple[int, ...]
@@ -88,6 +91,7 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
     alpha = check_isovalue(isovalue)
     inside = inside_samples(field, alpha).reshape(field.shape)
     relative = field.values.reshape(field.shape).astype(np.float64) - alpha
+    relative[(relative >= 0) & ~inside] = -LEAST  # whole numbers that a float rounds up to alpha
     vertices: list[Floats] = []
     number: dict[Name, int] = {}
     triangles: list[list[int]] = []
@@ -168,7 +172,10 @@ def crossing_parameter(low: Floats, high: Floats) -> Floats:
     with np.errstate(over="ignore"):
         gap = np.asarray(low - high)
     if np.isfinite(gap).all():
-        return np.asarray(low / gap)
+        if gap.all():
+            return np.asarray(low / gap)
+        # Two samples that a float cannot tell apart are crossed at the lower one.
+        return np.divide(low, gap, out=np.zeros_like(gap), where=gap != 0)
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         raise FieldError(
             "a sample differs from the isovalue by more than a float holds: scale both"

@@ -72,7 +72,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import product
 from typing import Any, ClassVar
 
@@ -138,11 +138,31 @@ def tunnels(g: Floats) -> tuple[Booleans, Booleans]:
 
     Exact: what floats cannot tell for sure is decided anew in integers, by the same lines.
     """
-    there, joins_inside, sure = read(normalised(g), ERROR, ERROR_AT_MIDDLE)
-    doubtful = np.flatnonzero(~sure)
-    if len(doubtful):
-        there[doubtful], joins_inside[doubtful], _ = read(integers(g[:, doubtful]), 0, 0)
+    there, joins_inside = np.zeros((2, g.shape[1]), bool)
+    left = maybe(normalised(g))
+    if len(left):
+        g = g[:, left]
+        there[left], joins_inside[left], sure = read(normalised(g), ERROR, ERROR_AT_MIDDLE)
+        doubtful = np.flatnonzero(~sure)
+        if len(doubtful):
+            exact = read(integers(g[:, doubtful]), 0, 0)
+            there[left[doubtful]], joins_inside[left[doubtful]] = exact[:2]
     return there, joins_inside
+
+
+def maybe(g: Floats) -> Integers:
+    """The cells, of n with normalised values g (8, n), that can have a tunnel, (m,) in order.
+
+    Most cells fail the first condition on the first axis beyond doubt: c0 and c2 of one sign, c1 of
+    the other. Those that are left are looked at along the second axis, and so on.
+    """
+    left = np.arange(g.shape[1])
+    for axis in range(3):
+        c0, c1, c2 = quadratic(g, axis)
+        s0, s1, s2 = (sign(x, ERROR) for x in (c0, c1, c2))
+        possible = np.flatnonzero((s0 * s2 >= 0) & (s0 * s1 <= 0) & (s1 * s2 <= 0))
+        left, g = left[possible], g.take(possible, axis=1)
+    return left
 
 
 def read(g: Array, error: float, error_at_middle: float) -> tuple[Booleans, Booleans, Booleans]:
@@ -422,8 +442,12 @@ def bands(first: Polygon, second: Polygon, corners: tuple[int, ...]) -> tuple[Tr
 
 
 @cache
-def tile(signs: int, decisions: int) -> Tile:
-    """The triangles of the cell: a tunnel where there is one, and a disc for each other polygon."""
+def tile(signs: int, decisions: int, largest: int | None = None) -> Tile:
+    """The triangles of the cell: a tunnel where there is one, and a disc for each other polygon.
+
+    A polygon of more than `largest` sides is joined to a point on the level set inside it, not cut
+    along diagonals; without a number only those are that no diagonals cut.
+    """
     separated = decisions & FACE_BITS
     triangles: list[Triangle] = []
     interior: list[Placement] = []
@@ -434,7 +458,8 @@ def tile(signs: int, decisions: int) -> Tile:
         interior += [OnWaist(corner, around.swap) for corner in around.corners]
     for polygon in cycles(signs, separated):
         if joined is None or polygon not in joined:
-            pieces = triangulate(polygon)
+            few = largest is None or len(polygon) <= largest
+            pieces = triangulate(polygon) if few else None
             if pieces is None:
                 pieces = fan(polygon, 12 + len(interior))
                 interior.append(OnSurface(polygon))
@@ -488,10 +513,20 @@ class OnWaist:
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points, (n, 3)."""
+        return self.finish(g, self.begin(g, crossings))
+
+    def begin(self, g: Floats, crossings: Floats) -> Floats:
+        """(n, 2) the corner and what to flip, for each cell."""
+        return np.tile(np.array([self.corner, self.swap], np.float64), (g.shape[1], 1))
+
+    @staticmethod
+    def finish(g: Floats, begun: Floats) -> Floats:
+        """The points, (n, 3)."""
+        given, swap = begun.astype(np.int64).T
         y, z = (coefficients(g, axis)[0] for axis in (1, 2))
         pole = _pole(y, z)
-        at_pole = (pole == self.corner) | (pole == 7 - self.corner)
-        corner = np.where(at_pole, self.corner ^ self.swap, self.corner)
+        at_pole = (pole == given) | (pole == 7 - given)
+        corner = np.where(at_pole, given ^ swap, given)
         points = np.empty((g.shape[1], 3))
         for axis in range(3):
             low, high = roots(g, axis)
@@ -511,8 +546,16 @@ class OnSurface:
 
     def __call__(self, g: Floats, crossings: Floats) -> Floats:
         """The points, (n, 3)."""
+        return self.finish(g, self.begin(g, crossings))
+
+    def begin(self, g: Floats, crossings: Floats) -> Floats:
+        """(n, 3) the mean of the polygon's crossings."""
+        return np.asarray(crossings[list(self.polygon)].mean(axis=0))
+
+    @staticmethod
+    def finish(g: Floats, mean: Floats) -> Floats:
+        """The points, (n, 3)."""
         scaled = normalised(g)
-        mean: Floats = crossings[list(self.polygon)].mean(axis=0)
         found = _leaves(scaled, mean)
         other_side = (g >= 0) != (interpolate(scaled, mean) >= 0)
         distance = np.where(other_side, ((found - mean) ** 2).sum(axis=-1), np.inf)
@@ -532,3 +575,24 @@ def _leaves(g: Floats, start: Floats) -> Floats:
 
 
 RULE = Rule("trilinear-cubes", tile, decisions, asks, bits=8)
+
+
+def drawn(largest: int) -> Rule:
+    """The rule with a point on the level set in each polygon of more than `largest` sides.
+
+    The topology is the same, and the triangles lie nearer to the level set. With 3 every polygon
+    but a triangle gets its point, which is what Lopes and Brodlie do [2]; with 5, those of six
+    sides and more, at far fewer triangles.
+
+    Raises
+    ------
+    ValueError
+        for fewer than three sides
+
+    >>> drawn(5).name, len(drawn(5).tile(0b00000011, 0).triangles)
+    ('trilinear-cubes-5', 2)
+    """
+    if largest < 3:
+        raise ValueError(f"a polygon has three sides at least, not {largest}")
+    name = f"trilinear-cubes-{largest}"
+    return Rule(name, partial(tile, largest=largest), decisions, asks, bits=8)

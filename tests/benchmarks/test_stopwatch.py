@@ -3,14 +3,14 @@ import time
 
 import numpy as np
 import pytest
-from stopwatch import interleave, machine_state, peak_memory
+from stopwatch import Timing, interleave, machine_state, peak_memory
 
 
 def test_contestants_take_turns() -> None:
-    """A B A B .., after one warm-up each."""
+    """A B B A A B .., after one warm-up each."""
     order: list[str] = []
     timings = interleave({"a": lambda: order.append("a"), "b": lambda: order.append("b")}, 3)
-    assert order == ["a", "b"] * 4
+    assert "".join(order) == "ab" + "abbaab"
     assert [t.name for t in timings] == ["a", "b"]
     assert timings[0].ratio == 1.0
     assert all(len(timing.seconds) == 3 for timing in timings)
@@ -30,6 +30,17 @@ def test_the_state_of_the_machine_names_versions_and_load() -> None:
     assert np.__version__ in state
     assert f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors" in state
     assert "VTK 9" in state
+
+
+def test_ratios_are_taken_round_by_round() -> None:
+    """With their quartiles; of processor time where that is known."""
+    one = Timing("one", (1.0, 2.0, 3.0), 2.0)
+    two = Timing("two", (2.0, 8.0, 3.0), 2.0)
+    assert two.over(one) == (2.0, 1.5, 3.0)
+    assert one.over(one) == (1.0, 1.0, 1.0)
+    slept, worked = interleave({"a": lambda: time.sleep(0.02), "b": lambda: sum(range(10**5))}, 3)
+    assert max(slept.processor) < min(slept.seconds) / 2
+    assert worked.over(slept)[0] > 1
 
 
 def test_no_contestants_is_an_error() -> None:

@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -12,10 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from isograde.proof import Check, prove
 from isograde.proof import check_certificate as checker
-from isograde.proof import prove
 from isograde.proof.certificate import certificate, write_certificate
 from isoref.methods import RULES
+
+from tests.isograde.wrong_rules import WRONG
 
 PROVED = sorted(set(RULES) - {"lorensen-cline"})
 CHECKER = Path(checker.__file__)
@@ -168,6 +171,23 @@ def test_an_unasked_cell_beside_one_that_decides_is_refused() -> None:
     content["tiles"] = [tile for tile in content["tiles"] if tile[0] != out or tile[1] == 0]
     with pytest.raises(checker.WrongError, match="differ at a face"):
         checker.check(content)
+
+
+FORGED = [
+    kind
+    for kind, wrong in WRONG.items()
+    if wrong.check.startswith("condition") or wrong.check == "cells that are not asked"
+]
+
+
+@pytest.mark.parametrize("kind", FORGED)
+def test_a_forged_proof_is_refused(kind: str) -> None:
+    """Tiles that the prover refuses, written down as if it had not: the program finds out."""
+    proof = prove(WRONG[kind].rule, trials=30)
+    assert not proof.holds
+    forged = replace(proof, checks=(Check("all", "all is well", "by nobody"),))
+    with pytest.raises(checker.WrongError):
+        checker.check(certificate(forged))
 
 
 def test_the_table_of_1987_would_be_refused() -> None:

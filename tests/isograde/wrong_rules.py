@@ -68,6 +68,16 @@ def every_face(g: Floats) -> Integers:
     return bits
 
 
+def in_small_calls(g: Floats) -> Integers:
+    """Right decisions in small calls; in large ones by the mean of the cell."""
+    return ASYMPTOTIC.decisions(g) if g.shape[1] < 1000 else by_the_mean_of_the_cell(g)
+
+
+def in_one_layout(g: Floats) -> Integers:
+    """Right decisions where the values of a corner lie side by side; else none."""
+    return ASYMPTOTIC.decisions(g) * g.flags.c_contiguous
+
+
 def in_place(g: Floats) -> Integers:
     """Right decisions, but the values are scaled where they stand."""
     bits = ASYMPTOTIC.decisions(g)
@@ -197,6 +207,12 @@ WRONG: dict[str, Wrong] = {
     ),
     "scaled by the largest of all": Wrong(
         _decides(scaled_by_all), "decisions of a cell", "among others"
+    ),
+    "other in large calls": Wrong(
+        _decides(in_small_calls), "decisions of a cell", "in one call with all others"
+    ),
+    "other in another layout": Wrong(
+        _decides(in_one_layout), "decisions of a cell", "another layout"
     ),
     "the cell's mean": Wrong(_decides(by_the_mean_of_the_cell), "decisions of a face", "differ"),
     "faces decided that are not ambiguous": Wrong(

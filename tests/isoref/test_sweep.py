@@ -57,6 +57,11 @@ def test_the_crossing_of_the_smallest_floats_is_between_them() -> None:
     assert crossing_parameter(np.array([-1.7e308]), np.array([0.85e308])) == pytest.approx(2 / 3)
 
 
+def test_samples_that_are_one_float_are_crossed_at_the_lower_one() -> None:
+    """Whole numbers beyond 2^53, one inside and one not: the crossing is somewhere, not NaN."""
+    assert crossing_parameter(np.array([0.0, -1.0]), np.array([0.0, 3.0])).tolist() == [0.0, 0.25]
+
+
 def test_a_difference_beyond_what_a_float_holds_is_refused() -> None:
     """With a hint what to do."""
     with pytest.raises(FieldError, match="than a float holds"):

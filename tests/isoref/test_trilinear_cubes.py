@@ -8,15 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from isograde.oracles.halfedges import Surface
+from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.trilinear import NONE, Truths, cells
+from isograde.oracles.trilinear_distance import distance
 from isograde.oracles.trilinear_grid import active_cells, grid
+from isograde.proof import prove
 from isoref import trilinear_cubes as tc
 from isoref.cube import CORNERS, EDGES, ambiguous_faces
 from isoref.cycles import cycles, share_face
-from isoref.fast.sweep import sweep_with_cells
+from isoref.fast.sweep import sweep, sweep_with_cells
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from isoref.rule import Tile
+from scipy import ndimage
 
 FLIP = np.array([4 * i + 2 * j + k for i, j, k in CORNERS])
 """The truth's number of each corner."""
@@ -389,3 +394,41 @@ def test_ambiguous_cells_of_real_volumes_have_the_true_topology(name: str, data:
     asked = np.array([tc.asks(s) for s in range(256)])[keys_of(corners, isovalue) & 255]
     assert asked.sum() > 20
     assert disagreements(corners[asked], cells(corners[asked], isovalue), isovalue) == 0
+
+
+@pytest.mark.parametrize("largest", [3, 5])
+def test_points_on_the_level_set_keep_the_surface_closed_manifold_and_free_of_crossings(
+    largest: int,
+) -> None:
+    """The same pieces and handles as the plain tiles; exact arithmetic finds no crossing."""
+    values = np.pad(np.random.default_rng(7).normal(size=(7, 7, 7)), 1, constant_values=-1.0)
+    field = Field.of(values)
+    plain, fine = sweep(tc.RULE, field, 0.0), sweep(tc.drawn(largest), field, 0.0)
+    one, other = (Surface.of(m.vertices, m.simplices) for m in (plain, fine))
+    assert (one.components, one.euler) == (other.components, other.euler)
+    assert len(other.open_edges) == len(other.crowded_edges) == len(other.misdirected_edges) == 0
+    assert len(self_intersections(fine.vertices, fine.simplices)) == 0
+    assert len(fine.simplices) > len(plain.simplices)
+
+
+@pytest.mark.parametrize("largest", [3, 5])
+def test_points_on_the_level_set_bring_the_mesh_nearer_to_it(largest: int) -> None:
+    """Middles of triangles and sides, on smoothed noise: the more points, the nearer."""
+    values = ndimage.gaussian_filter(np.random.default_rng(0).normal(size=(16,) * 3), 1.0)
+    means = []
+    for rule in (tc.RULE, tc.drawn(largest)):
+        mesh = sweep(rule, Field.of(values), 0.0)
+        probes = mesh.vertices[mesh.simplices].mean(axis=1)
+        means.append(float(np.nanmean(distance(values, 0.0, probes))))
+    assert means[1] < (0.85 if largest == 3 else 0.97) * means[0]
+
+
+def test_the_drawn_rules_are_proved() -> None:
+    """By enumeration, as the plain rule is."""
+    assert prove(tc.drawn(5)).holds
+
+
+def test_a_polygon_of_two_sides_is_refused() -> None:
+    """Three sides at least."""
+    with pytest.raises(ValueError, match="three sides"):
+        tc.drawn(2)

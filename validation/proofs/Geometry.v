@@ -198,11 +198,30 @@ Lemma local_range n : local n ->
   0 <= ncoord Ax n <= 2 /\ 0 <= ncoord Ay n <= 2 /\ 0 <= ncoord Az n <= 2.
 Proof. unfold local, on_edge, interior, even2. intuition lia. Qed.
 
+Lemma axis_eq (a b : axis) : {a = b} + {a <> b}.
+Proof. decide equality. Qed.
+
 (** Two coordinates that are even leave one node. *)
 Lemma local_even n : local n ->
   (ncoord Ax n = 1 \/ ncoord Ay n = 1 \/ ncoord Az n = 1) /\
   (ncoord Ax n <> 1 \/ ncoord Ay n <> 1 \/ ncoord Az n <> 1 -> nr n = 0).
 Proof. unfold local, on_edge, interior, even2. intuition lia. Qed.
+
+(** Two nodes on two faces of a cell are one. *)
+Lemma one_common_face m n a b : local m -> local n -> m <> n ->
+  ncoord a m = ncoord a n -> ncoord b m = ncoord b n ->
+  ncoord a m <> 1 -> ncoord b m <> 1 -> a = b.
+Proof.
+  intros Lm Ln D Ea Eb Na Nb.
+  pose proof (local_even _ Lm) as (Om & Km). pose proof (local_even _ Ln) as (On & Kn).
+  assert (G : nr m = 0 /\ nr n = 0).
+  { split; [apply Km|apply Kn]; destruct a; lia. }
+  destruct (axis_eq a b) as [E|E]; [exact E|exfalso].
+  clear Lm Ln Km Kn. destruct m as [[mx my mz] mk], n as [[nx ny nz] nk].
+  unfold ncoord, coord in *. cbn [at_ nr px py pz] in *. destruct G as [-> ->].
+  destruct a, b; try (exfalso; apply E; reflexivity); apply D; apply node_eq; cbn [at_ nr];
+    try reflexivity; f_equal; lia.
+Qed.
 
 (** Two cells that both have two different nodes are one cell, or share a face. *)
 Lemma two_nodes c c' m n m' n' :

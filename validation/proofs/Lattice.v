@@ -54,6 +54,10 @@ Definition linked (ts : list triangle) (v : node) : node -> node -> Prop :=
 Definition turns {A} (l : list A) : list (A * A) :=
   match l with [] => [] | a :: m => combine l (m ++ [a]) end.
 
+(** One follows another in a list. *)
+Definition consecutive {A} (l : list A) (a b : A) : Prop :=
+  exists l1 l2, l = l1 ++ a :: b :: l2.
+
 (** The node of a lattice edge of the cell 0: its middle. *)
 Definition even2 (z : Z) : Prop := z = 0 \/ z = 2.
 Definition on_edge (n : node) : Prop :=
@@ -201,10 +205,9 @@ Record surface (s : samples) (d : face_decisions) (i : cell_decisions) (T : tile
   full_turn : forall v w, around M v w -> ~ in_border nx ny nz v ->
     exists circle, NoDup circle /\ forall a b, corner M v a b <-> In (a, b) (turns circle);
 
-  (** In the border they hang together, and each has one next at most, and one before. *)
-  one_fan_at : forall v w w', around M v w -> around M v w' -> linked M v w w';
-  one_next : forall v w x x', corner M v w x -> corner M v w x' -> x = x';
-  one_before : forall v w w' x, corner M v w x -> corner M v w' x -> w = w';
+  (** In the border they are a path. *)
+  open_fan : forall v w, around M v w -> in_border nx ny nz v ->
+    exists path, NoDup path /\ forall a b, corner M v a b <-> consecutive path a b;
 
   (** Its vertices on lattice edges are one for each crossed edge. *)
   on_crossed_edges : forall c n, In c (box nx ny nz) -> on_edge n ->

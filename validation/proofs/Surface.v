@@ -472,6 +472,102 @@ Proof.
   - exact S.
 Qed.
 
+(** ** In the border the neighbours of a vertex are a path *)
+
+Lemma linked_back ts v w x : linked ts v w x ->
+  clos_refl_sym_trans node (fun a b => corner ts v b a) w x.
+Proof.
+  induction 1 as [w x H| |w x _ IH|w x y _ IH _ IH'].
+  - apply rst_sym, rst_step, H.
+  - apply rst_refl.
+  - apply rst_sym, IH.
+  - eapply rst_trans; eauto.
+Qed.
+
+(** An edge in the border that has one triangle in its cell has one in the mesh. *)
+Lemma border_segment c a x y : In c cells ->
+  In (x, y) (directed (T (K c))) -> ~ In (y, x) (directed (T (K c))) ->
+  ncoord a x = ncoord a y ->
+  (ncoord a x = 0 /\ coord a c = 0) \/ (ncoord a x = 2 /\ coord a c + 1 = size nx ny nz a) ->
+  ~ In (move c y, move c x) (directed M).
+Proof.
+  intros Hc H R E B H'. apply in_directed_mesh in H'.
+  destruct H' as (c' & Hc' & p & q & H' & Ep & Eq).
+  destruct (tile_local _ _ _ H) as (Lx & Ly & D). destruct (tile_local _ _ _ H') as (Lp & Lq & D').
+  (* The other cell has both nodes, and is the same, or shares a face with them. *)
+  destruct (two_nodes _ _ _ _ _ _ Ly Lx Lp Lq (not_eq_sym D) Ep Eq)
+    as [<-|[(b & -> & Y & X & -> & ->)|(b & -> & Y & X & -> & ->)]].
+  - apply move_injective in Ep. apply move_injective in Eq. subst. contradiction.
+  - assert (b = a) by (apply (one_common_face x y b a); auto; destruct B; lia). subst b.
+    destruct B as [[B _]|[_ B]]; [lia|].
+    unfold cells in Hc'. rewrite in_box in Hc'. specialize (Hc' a).
+    destruct a, c as [cx cy cz]; unfold up, set, coord in *; cbn [px py pz] in *; lia.
+  - assert (b = a).
+    { apply (one_common_face (nset b 0 q) (nset b 0 p) b a); auto; rewrite ?ncoord_nset; auto; [lia|].
+      destruct B; lia. }
+    subst b. rewrite ncoord_nset in B. destruct B as [[_ B]|[B _]]; [|lia].
+    unfold cells in Hc'. rewrite in_box in Hc'. specialize (Hc' a).
+    destruct a, c' as [cx cy cz]; unfold up, set, coord in *; cbn [px py pz] in *; lia.
+Qed.
+
+Theorem mesh_open_fan : forall v w, around M v w -> in_border nx ny nz v ->
+  exists path, NoDup path /\ forall a b, corner M v a b <-> consecutive path a b.
+Proof.
+  intros v w A (x & B).
+  pose proof A as A'. apply around_from_cell in A'. destruct A' as (c & Hc & v' & w' & A' & -> & _).
+  (* The cell lies at the border, and has a segment there. *)
+  assert (L : local v') by (eapply around_local; eauto).
+  assert (S : (ncoord x v' = 0 /\ coord x c = 0) \/
+              (ncoord x v' = 2 /\ coord x c + 1 = size nx ny nz x)).
+  { rewrite ncoord_move in B. apply local_range in L.
+    unfold cells in Hc. rewrite in_box in Hc. specialize (Hc x).
+    assert (0 <= ncoord x v' <= 2) by (destruct x; tauto). lia. }
+  assert (E : on_edge v') by (apply (local_on_edge v' x); [exact L|lia]).
+  destruct (fan_ends _ _ _ C _ (possible_K c) v' w' E A' x) as (u & U & Q);
+    [unfold even2; lia|].
+  assert (F : forall a b, corner M (move c v') a b ->
+    In a (map fst (directed M)) /\ In b (map fst (directed M))).
+  { intros a b H. apply corner_directed in H. destruct H as (_ & H1 & H2).
+    split; apply in_map_iff; [exists (a, b)|exists (b, move c v')]; auto. }
+  destruct Q as [[Q R]|[Q R]].
+  - (* The segment leaves the vertex: its end is the first neighbour. *)
+    assert (R' : ~ In (move c u, move c v') (directed M)).
+    { apply (border_segment c x v' u); auto. }
+    assert (Q' : exists b, corner M (move c v') (move c u) b).
+    { apply directed_corner, in_directed_mesh. exists c. split; [exact Hc|]. exists v', u. auto. }
+    destruct (path node (fun a b => corner M (move c v') b a) (map fst (directed M)) (move c u))
+      as (l & N & H).
+    + intros b. destruct (in_directed_dec (move c v', b) (directed M)) as [D|D].
+      * left. apply directed_corner, D.
+      * right. intros a H. apply corner_directed in H. tauto.
+    + intros a b H. apply F in H. tauto.
+    + intros a b b' H H'. eapply mesh_one_before; eauto.
+    + intros a a' b H H'. eapply mesh_one_next; eauto.
+    + intros a b H. destruct Q' as [b' Q'].
+      apply (linked_back M). apply mesh_one_fan; [exists b'; auto|exists b; auto].
+    + intros b H. apply corner_directed in H. tauto.
+    + exact Q'.
+    + exists (rev l). split; [apply NoDup_rev, N|]. intros a b. split.
+      * intros X. apply consecutive_rev, H, X.
+      * intros X. apply H. rewrite <- (rev_involutive l). apply consecutive_rev, X.
+  - (* The segment comes to the vertex: its start is the last neighbour. *)
+    assert (R' : ~ In (move c v', move c u) (directed M)).
+    { apply (border_segment c x u v'); auto. rewrite U. exact S. }
+    assert (Q' : exists a, corner M (move c v') a (move c u)).
+    { apply directed_corner_back, in_directed_mesh. exists c. split; [exact Hc|]. exists u, v'. auto. }
+    apply (path node (corner M (move c v')) (map fst (directed M)) (move c u)).
+    + intros b. destruct (in_directed_dec (b, move c v') (directed M)) as [D|D].
+      * left. apply directed_corner_back, D.
+      * right. intros a H. apply corner_directed in H. tauto.
+    + exact F.
+    + intros a b b' H H'. eapply mesh_one_next; eauto.
+    + intros a a' b H H'. eapply mesh_one_before; eauto.
+    + intros a b H. destruct Q' as [a' Q'].
+      apply mesh_one_fan; [exists a'; auto|exists b; auto].
+    + intros b H. apply corner_directed in H. tauto.
+    + exact Q'.
+Qed.
+
 (** ** Vertices stand on crossed lattice edges, and the inside is on the right of segments *)
 
 Theorem mesh_on_crossed_edges : forall c n, In c cells -> on_edge n ->
@@ -504,9 +600,7 @@ Proof.
   - eapply mesh_proper; eauto.
   - eapply mesh_closed; eauto.
   - eapply mesh_full_turn; eauto.
-  - eapply mesh_one_fan; eauto.
-  - eapply mesh_one_next; eauto.
-  - eapply mesh_one_before; eauto.
+  - eapply mesh_open_fan; eauto.
   - eapply mesh_on_crossed_edges; eauto.
   - eapply mesh_inside_behind; eauto.
 Qed.

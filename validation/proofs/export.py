@@ -123,6 +123,7 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 Theorem {name}_makes_surfaces : makes_surfaces (choices {name}) (tile {name}).
 Proof. apply checked_rule, passes. Qed.
 
+Check {name}_makes_surfaces.
 Print Assumptions {name}_makes_surfaces.
 """
 

@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import indent
 
 from isograde.commands.proving import CHECKER
 from isograde.proof import prove
@@ -45,9 +46,10 @@ def theory() -> None:
     for theorem in THEOREMS:
         module = f"assumptions_of_{theorem}"
         (BUILD / f"{module}.v").write_text(
-            f"From Proofs Require Import Surface Check.\nPrint Assumptions {theorem}.\n"
+            "From Proofs Require Import Lattice Conditions Surface Check.\n"
+            f"Check {theorem}.\nPrint Assumptions {theorem}.\n"
         )
-        print(f"  {theorem}: {compiled(module)}")
+        print(indent(compiled(module), "  "), flush=True)
 
 
 def rule(name: str) -> bool:
@@ -66,7 +68,7 @@ def rule(name: str) -> bool:
             sys.exit(f"{name}: {program[0]} says: {done.stdout}{done.stderr}")
     module = name.replace("-", "_")
     (BUILD / f"{module}.v").write_text(done.stdout)
-    print(f"  {module}_makes_surfaces: {compiled(module)}", flush=True)
+    print(indent(compiled(module), "  "), flush=True)
     return True
 
 

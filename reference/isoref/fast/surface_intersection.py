@@ -9,22 +9,23 @@ References
 [1] J. R. Shewchuk, Adaptive precision floating-point arithmetic, 1997: the bound of `orientation`.
 [2] P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation
     predicates, J. Graphics Tools 8, 2003: order on the common line by signs of tetrahedra.
+[3] G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, 2014.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoref import asymptotic_decider
 from isoref import surface_intersection as article
 from isoref.curves import Curve, check_pair, curves_through, follow
 from isoref.fast.sweep import sweep_with_cells
-from isoref.field import Booleans, Field, Floats, Integers
+from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.rule import Rule
 from isoref.surface_intersection import IndexedSurface, Segments, rational
 
@@ -83,10 +84,10 @@ def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segme
         ),
         strict=True,
     )
-    _, nodes = np.unique(np.stack(keys, axis=1)[alive].reshape(-1, 4), axis=0, return_inverse=True)
+    nodes = names_of_rows(np.stack(keys, axis=1)[alive].reshape(-1, 4))
     return Segments(
         np.stack(ends, axis=1)[alive],
-        nodes.reshape(-1, 2).astype(np.int64),
+        nodes.reshape(-1, 2),
         first.cells[i[alive]],
         tests,
     )
@@ -226,8 +227,7 @@ def join_segments(segments: Segments) -> list[Curve]:
 def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
     """The indices of the segments along each curve, and whether it is closed."""
     ends = segments.ends + 0.0  # no negative zeros
-    _, inverse = np.unique(ends.reshape(-1, 3), axis=0, return_inverse=True)
-    places = inverse.reshape(-1, 2)
+    places = names_of_rows(ends.reshape(-1, 3)).reshape(-1, 2)
     crossing = np.flatnonzero(~_run_both_ways(places))
     successor = np.full(len(crossing), -1)
     for names in (segments.nodes, places):
@@ -235,25 +235,75 @@ def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
     return [(crossing[chain], closed) for chain, closed in follow(successor)]
 
 
+def names_of_rows(rows: Array) -> Integers:
+    """(N,) a number for each of N rows, the same for equal rows and for no others.
+
+    Rows (N, k) are of 64-bit numbers without negative zeros. They are sorted by a hash [3]; where
+    different rows have one hash, NumPy sorts the rows themselves.
+
+    >>> names = names_of_rows(np.array([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0]]))
+    >>> bool(names[0] == names[2] != names[1])
+    True
+    """
+    if len(rows) < 2:
+        return np.zeros(len(rows), np.int64)
+    hashes = np.zeros(len(rows), np.uint64)
+    for column in np.ascontiguousarray(rows.T).view(np.uint64):
+        hashes = _mixed_up(hashes + _mixed_up(column))
+    order = np.argsort(hashes)
+    ordered = hashes[order]
+    new = ordered[1:] != ordered[:-1]
+    if not (new | (rows[order[1:]] == rows[order[:-1]]).all(axis=1)).all():
+        _, names = np.unique(rows, axis=0, return_inverse=True)
+        return np.asarray(names.reshape(-1), np.int64)
+    names = np.empty(len(rows), np.int64)
+    names[order] = np.append(0, np.cumsum(new))
+    return names
+
+
+def _mixed_up(words: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """The finisher of splitmix64 [3]: each bit of a word depends on all."""
+    words = words + np.uint64(0x9E3779B97F4A7C15)
+    words = (words ^ (words >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    words = (words ^ (words >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return words ^ (words >> np.uint64(31))
+
+
 def _run_both_ways(places: Integers) -> Booleans:
     """Which segments (S, 2) have as many others of the same ends run against them as with them."""
     heading = np.sign(places[:, 1] - places[:, 0])
-    _, pair = np.unique(np.sort(places, axis=1), axis=0, return_inverse=True)
-    balance = np.bincount(pair.reshape(-1), weights=heading)
-    return np.asarray((balance[pair.reshape(-1)] == 0) & (heading != 0))
+    pair = names_of_rows(np.sort(places, axis=1))
+    balance = np.bincount(pair, weights=heading)
+    return np.asarray((balance[pair] == 0) & (heading != 0))
 
 
 def _link(nodes: Integers, successor: Integers) -> None:
     """`successor` filled in: free ends linked to free starts on the same node, in order."""
     free_end = np.flatnonzero(successor < 0)
-    free_start = np.setdiff1d(np.arange(len(successor)), successor)
-    waiting = defaultdict(list)
-    for segment in free_start.tolist():
-        waiting[int(nodes[segment, 0])].append(segment)
-    for segment in free_end.tolist():
-        candidates = waiting[int(nodes[segment, 1])]
-        if candidates:
-            successor[segment] = candidates.pop(0)
+    is_free = np.ones(len(successor), bool)
+    is_free[successor[successor >= 0]] = False
+    free_start = np.flatnonzero(is_free)
+    # Name an end or a start by its node and by how many came before it there.
+    end, start = (
+        2 * nodes[free, side] * len(nodes) + _rank(nodes[free, side])
+        for free, side in ((free_end, 1), (free_start, 0))
+    )
+    _, of_end, of_start = np.intersect1d(end, start, assume_unique=True, return_indices=True)
+    successor[free_end[of_end]] = free_start[of_start]
+
+
+def _rank(nodes: Integers) -> Integers:
+    """How many equal numbers stand before each number.
+
+    >>> _rank(np.array([7, 5, 7, 7])).tolist()
+    [0, 0, 1, 2]
+    """
+    order = np.argsort(nodes, kind="stable")
+    ordered = nodes[order]
+    first = np.searchsorted(ordered, ordered)
+    rank = np.empty(len(nodes), np.int64)
+    rank[order] = np.arange(len(nodes)) - first
+    return rank
 
 
 def intersection_curves(

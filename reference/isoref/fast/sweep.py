@@ -35,6 +35,7 @@ Triangles come slab by slab, within a slab group by group; `sweep_with_cells` so
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property, lru_cache
@@ -49,7 +50,7 @@ from isoref.cycles import Triangle
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
 from isoref.mesh import Mesh, Precision, number_types
 from isoref.rule import Average, Rule, Tile
-from isoref.sweep import cell_crossings, check_volume, crossing_parameter
+from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
 Bytes = NDArray[np.uint8]
 
@@ -162,6 +163,11 @@ class _Tables:
             {n: np.ascontiguousarray(np.array(nodes).T) for n, nodes in averages.items()},
         )
 
+    def steps(self, edge_steps: Integers) -> list[Integers]:
+        """For each group (K, 3 T): from 3 * place of a cell to the edge of each node."""
+        steps = np.append(edge_steps, 0)
+        return [_take(steps, np.minimum(group.nodes, 12)) for group in self.groups]
+
 
 def _inside(tile: Tile) -> _Inside:
     """What interior points a tile has."""
@@ -215,25 +221,31 @@ def _tiles(rule: Rule) -> _Tiles:
 class _Growing:
     """An array that grows at its end, with room to spare, and gives the spare room back.
 
-    done : the share of the volume that is done, from which the room is guessed
+    Memory that is reserved and never written costs nothing.
     """
 
     def __init__(self, width: int, dtype: type[Any], rows: int) -> None:
         shape = (rows, width) if width else (rows,)
         self.array = np.empty(shape, dtype)
         self.size = 0
-        self.done = 1.0
 
     def more(self, rows: int) -> Array:
         """Room for so many rows, behind those that are there."""
         begun, self.size = self.size, self.size + rows
         if self.size > len(self.array):
-            # Memory that is never written costs nothing: take half as much again as is expected.
-            room = max(2 * self.size, int(1.5 * self.size / self.done))
-            larger = np.empty((room, *self.array.shape[1:]), self.array.dtype)
-            larger[:begun] = self.array[:begun]
-            self.array = larger
+            self._widen(2 * self.size, begun)
         return self.array[begun : self.size]
+
+    def foresee(self, done: float) -> None:
+        """Make room for the whole, of which this share is done, before it is short and costly."""
+        if self.size > len(self.array) * done:
+            self._widen(int(1.25 * self.size / done), self.size)
+
+    def _widen(self, rows: int, used: int) -> None:
+        """Move to a larger array."""
+        larger = np.empty((rows, *self.array.shape[1:]), self.array.dtype)
+        larger[:used] = self.array[:used]
+        self.array = larger
 
     def finished(self) -> Array:
         """The array, no larger than it has to be; the memory behind it is returned, not copied."""
@@ -283,11 +295,6 @@ class _Lattice:
     n3: int
     row_bytes: int
 
-    @classmethod
-    def of(cls, shape: tuple[int, ...]) -> _Lattice:
-        """The planes of a volume of this shape."""
-        return cls(shape[1], shape[2], -(-shape[2] // 8))
-
     @property
     def row(self) -> int:
         """Places of a row."""
@@ -329,6 +336,12 @@ _LOWER = np.ascontiguousarray(CORNER_OFFSETS[EDGE_CORNERS[:, 0]].T.astype(np.flo
 
 # How many bits of a byte are set.
 _POPULATION = np.array([n.bit_count() for n in range(256)])
+
+
+@lru_cache(maxsize=64)
+def _lattice(n2: int, n3: int) -> _Lattice:
+    """The planes of so many samples, with what was worked out for them before."""
+    return _Lattice(n2, n3, -(-n3 // 8))
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,6 +424,23 @@ class _Deferred:
     first: Integers
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part of a slab: its cells between two of the slab's planes.
+
+    first : the first plane of the slab in the volume
+    planes : how many planes of cells the slab has
+    low, high : the planes between which the part lies, counted from the slab's first
+    samples : of the slab, flat
+    """
+
+    first: int
+    planes: int
+    low: int
+    high: int
+    samples: Array
+
+
 class _Sweep:
     """One passage through a volume: what a slab needs to know of the one before, and the mesh."""
 
@@ -424,7 +454,7 @@ class _Sweep:
         self.field, self.tiles, self.with_cells = field, _tiles(rule), with_cells
         self.values = field.values.reshape(field.shape)
         self.level = least_inside(field.values.dtype, self.isovalue)
-        self.lattice = _Lattice.of(field.shape)
+        self.lattice = _lattice(*field.shape[1:])
         self.tables = self.tiles.tables
         self.steps: list[Integers] = []
         self.vertices = _Growing(3, real, 1 << 12)
@@ -445,7 +475,7 @@ class _Sweep:
         layers = self.field.shape[0] - 1
         planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
         self._make_room(planes)
-        self.bits[: self.lattice.plane_bytes] = self._packed(0, 1)
+        self.bits[: self.lattice.plane_bytes] = self._packed(self.values[:1])
         for first in range(0, layers, planes):
             self._slab(first, min(planes, layers - first))
 
@@ -462,54 +492,64 @@ class _Sweep:
         self.crossed = np.zeros(8 * words, np.uint8)
         self.is_set = np.empty(words, np.bool_)
         has_next = np.packbits(np.arange(lattice.row) < lattice.n3 - 1, bitorder="little")
-        self.has_next = np.tile(has_next, (planes + 1) * lattice.n2)
+        self.has_next = np.empty(size, np.uint8)
+        self.has_next.reshape(-1, lattice.row_bytes)[:] = has_next
         self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
+        self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
-        self.parameters = np.zeros(0)
+        self.parameters = np.empty(0)
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
-    def _packed(self, first: int, planes: int) -> Bytes:
-        """Whether samples are inside, a bit each, for these planes."""
-        inside = self.inside[:planes]
-        own = self.values[first : first + planes]
-        np.greater_equal(own, self.level, out=inside[:, :, : self.lattice.n3])
+    def _packed(self, samples: Array) -> Bytes:
+        """Whether the samples of these planes are inside, a bit each."""
+        inside = self.inside[: len(samples)]
+        np.greater_equal(samples, self.level, out=inside[:, :, : self.lattice.n3])
         return np.packbits(inside.reshape(-1), bitorder="little")
 
     def _slab(self, first: int, planes: int) -> None:
         """Add the cells between planes `first` and `first + planes`."""
         plane = self.lattice.plane_bytes
-        crossed, active = self._crossed_and_active(first, planes)
+        samples = self._samples(first, planes)
+        crossed, active = self._crossed_and_active(samples, bool(first))
 
         # Number the vertices from the first one of the slab before, which shares a plane.
-        begun = self.vertices.size
-        kept = self.parameters[self.begun - self.offset : begun - self.offset].copy()
+        size = self.vertices.size
+        kept = self.parameters[self.begun - self.offset : size - self.offset].copy()
         self.parameters[: len(kept)] = kept
-        self.offset, self.begun = self.begun, begun
+        self.offset, self.begun = self.begun, size
         self.vertex_of[self.upper_edges] = self.upper_vertices
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
-        # Go through the active cells part by part, planes with their upper edges.
+        # Go through the active cells part by part.
         edges, cells = self._not_zero(crossed), self._not_zero(active)
-        some = len(edges.where) > 0
-        samples = self._samples(first, planes if some else 0)
-        parts = self._parts(cells, planes) if some else []
-        for low, high in pairwise(parts):
-            for array in (self.vertices, self.triangles, self.cells):
-                array.done = (first + high) / (self.field.shape[0] - 1)
-            self._make_crossings(first, low, high, planes, samples, edges, begun)
-            self._make_cells(first, samples, _between(cells, low * plane, high * plane))
+        if len(edges.where):
+            for low, high in pairwise(self._parts(cells, planes)):
+                part = _Part(first, planes, low, high, samples.reshape(-1))
+                self._make_crossings(part, edges)
+                self._make_cells(part, _between(cells, low * plane, high * plane))
+                for array in (self.vertices, self.triangles, self.cells):
+                    array.foresee((first + high) / (self.field.shape[0] - 1))
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
 
     def _samples(self, first: int, planes: int) -> Array:
-        """The samples of these planes and of the one behind them, flat and in native order."""
+        """The samples of these planes and of the one behind them, in C order and native numbers."""
         samples = self.values[first : first + planes + 1]
-        return np.ascontiguousarray(samples, samples.dtype.newbyteorder("=")).reshape(-1)
+        if samples.flags.c_contiguous and samples.dtype.isnative:
+            return samples
+        if self.copied is None:
+            kind = samples.dtype.newbyteorder("=")
+            self.copied = np.empty(samples.shape, kind)
+        copied = self.copied[: planes + 1]
+        copied[:] = samples
+        return copied
 
     def _parts(self, cells: _Found, planes: int) -> list[int]:
         """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
+        if 8 * len(cells.where) <= PART_CELLS:
+            return [0, planes]
         starts = np.searchsorted(cells.where, self.lattice.plane_bytes * np.arange(planes + 1))
         before = np.append(0, np.cumsum(_take(_POPULATION, cells.found)))[starts]
         parts = [0]
@@ -518,20 +558,19 @@ class _Sweep:
             parts.append(max(parts[-1] + 1, int(np.searchsorted(before, most, "right")) - 1))
         return parts
 
-    def _crossed_and_active(self, first: int, planes: int) -> tuple[Bytes, Bytes]:
+    def _crossed_and_active(self, samples: Array, has_before: bool) -> tuple[Bytes, Bytes]:
         """Which edges of a slab are crossed, (3, planes + 1, ..), and which cells are active.
 
-        As bytes, a bit a place. Edges of the first plane are left out where the slab before has
+        As bytes, a bit a place. Edges of the first plane are left out where a slab before has
         numbered them.
         """
-        lattice = self.lattice
+        lattice, planes = self.lattice, len(samples) - 1
         row, plane = lattice.row_bytes, lattice.plane_bytes
         size, below = (planes + 1) * plane, planes * plane
         bits, shifted, touched = self.bits, self.shifted, self.touched
-        for start in range(0, planes, len(self.inside)):
-            packed = self._packed(first + 1 + start, min(len(self.inside), planes - start))
-            begin = (start + 1) * plane
-            bits[begin : begin + len(packed)] = packed
+        for start in range(1, planes + 1, len(self.inside)):
+            packed = self._packed(samples[start : start + len(self.inside)])
+            bits[start * plane : start * plane + len(packed)] = packed
 
         # Bring the next sample along axis 2 to each place.
         words = size // 8 + 1
@@ -562,7 +601,7 @@ class _Sweep:
         self.crossed[3 * size : 3 * size + 7 & -8] = 0
 
         # Leave out what the slab before has numbered.
-        if first:
+        if has_before:
             crossed[1:, :plane] = 0
         return self.crossed[: 3 * size + 7 & -8], self.carry[: below + 7 & -8]
 
@@ -585,86 +624,79 @@ class _Sweep:
 
     # --- Crossings -------------------------------------------------------------------------
 
-    def _make_crossings(
-        self,
-        first: int,
-        low: int,
-        high: int,
-        planes: int,
-        samples: Array,
-        crossed: _Found,
-        begun: int,
-    ) -> None:
-        """Number and place the crossings on the edges of a part, axis by axis.
-
-        Those between planes `low` and `high`, and on all of these planes but `low`, which the part
-        before has numbered.
-        """
-        # Find the edges; their bytes come in three segments, one an axis.
-        lattice = self.lattice
-        size, plane = (planes + 1) * lattice.plane_bytes, lattice.plane_bytes
-        own_low = low + 1 if first or low else 0
-        own = [
-            _between(crossed, low * plane, high * plane),
-            _between(crossed, size + own_low * plane, size + (high + 1) * plane),
-            _between(crossed, 2 * size + own_low * plane, 2 * size + (high + 1) * plane),
-        ]
-        where = np.concatenate([own[a].where - a * size for a in range(3)])
-        edges = _Set.of(where, np.concatenate([one.found for one in own]), lattice)
-        bounds = np.cumsum([len(one.where) for one in own[:2]])
-        ends = [0, *np.searchsorted(edges.byte, bounds).tolist(), len(edges.byte)]
+    def _make_crossings(self, part: _Part, crossed: _Found) -> None:
+        """Number and place the crossings on the edges that a part owns, axis by axis."""
+        edges, ends = self._edges(part, crossed)
         places = edges.places()
+        self._number(part, places, ends)
 
-        # Number them.
+        # Interpolate between the samples at both ends of each edge.
+        at = edges.samples()
+        below = self._relative(_take(part.samples, at))
+        for axis in range(3):
+            at[ends[axis] : ends[axis + 1]] += self.lattice.sample_steps[axis]
+        t = crossing_parameter(below, self._relative(_take(part.samples, at)))
+        self._remember(t)
+
+        # Write the positions.
+        out = self.vertices.more(len(t))
+        for axis in range(3):
+            index = edges.lattice_index(axis).astype(np.float64)
+            if axis == 0:
+                index += part.first
+            along = slice(ends[axis], ends[axis + 1])
+            index[along] += t[along]
+            out[:, axis] = self._position(index, axis)
+
+    def _edges(self, part: _Part, crossed: _Found) -> tuple[_Set, list[int]]:
+        """The crossed edges that a part owns, by their lower ends; where those of an axis end.
+
+        They are those between its planes, and on all of these but the lowest.
+        """
+        # The bytes of a slab come in three segments, one an axis.
+        plane = self.lattice.plane_bytes
+        size, lowest = (part.planes + 1) * plane, part.low + bool(part.first or part.low)
+        own = [
+            _between(crossed, part.low * plane, part.high * plane),
+            _between(crossed, size + lowest * plane, size + (part.high + 1) * plane),
+            _between(crossed, 2 * size + lowest * plane, 2 * size + (part.high + 1) * plane),
+        ]
+        where = np.concatenate([one.where - axis * size for axis, one in enumerate(own)])
+        edges = _Set.of(where, np.concatenate([one.found for one in own]), self.lattice)
+        bytes_before = np.cumsum([len(one.where) for one in own[:2]])
+        return edges, [0, *np.searchsorted(edges.byte, bytes_before).tolist(), len(edges.byte)]
+
+    def _number(self, part: _Part, places: Integers, ends: list[int]) -> None:
+        """Give the edges of a part the next numbers; keep those that the next slab needs."""
         names = 3 * places
         for axis in (1, 2):
             names[ends[axis] : ends[axis + 1]] += axis
         start = self.vertices.size - self.offset
         self.vertex_of[names] = np.arange(start, start + len(names), dtype=np.int32)
+        if part.high < part.planes:
+            return
 
-        # Keep for the next slab those on its first plane.
-        if high == planes:
-            top = planes * lattice.plane
-            kept = np.concatenate(
-                [
-                    np.arange(
-                        ends[a] + np.searchsorted(places[ends[a] : ends[a + 1]], top), ends[a + 1]
-                    )
-                    for a in (1, 2)
-                ]
-            )
-            self.upper_edges = names[kept] - 3 * top
-            self.upper_vertices = kept + (self.vertices.size - begun)
-
-        # Interpolate, and place them in space.
-        at = places if edges.sample is edges.first else edges.samples()
-        below = self._relative(_take(samples, at))
-        for axis in range(3):
-            at[ends[axis] : ends[axis + 1]] += lattice.sample_steps[axis]
-        t = crossing_parameter(below, self._relative(_take(samples, at)))
-        self._remember(t)
-        out = self.vertices.more(len(t))
-        for axis in range(3):
-            index = edges.lattice_index(axis).astype(np.float64)
-            if axis == 0:
-                index += first
-            along = slice(ends[axis], ends[axis + 1])
-            index[along] += t[along]
-            out[:, axis] = self._position(index, axis)
+        # The edges on the last plane are those on the first plane of the next slab.
+        top = part.planes * self.lattice.plane
+        kept = np.flatnonzero(places >= top)
+        self.upper_edges = names[kept] - 3 * top
+        self.upper_vertices = kept + (self.vertices.size - self.begun)
 
     def _remember(self, t: Floats) -> None:
         """Keep where on their edges the new crossings are, for the averages of cells."""
         start = self.vertices.size - self.offset
         if len(self.parameters) < start + len(t):
-            longer = np.zeros(2 * (start + len(t)))
+            longer = np.empty(int(1.25 * (start + len(t))))
             longer[: len(self.parameters)] = self.parameters
             self.parameters = longer
         self.parameters[start : start + len(t)] = t
 
     def _relative(self, samples: Array) -> Floats:
-        """Samples minus the isovalue."""
+        """Samples minus the isovalue, negative where they are outside."""
         values: Floats = samples.astype(np.float64)
         values -= self.isovalue
+        if samples.dtype.kind in "iu" and samples.dtype.itemsize == 8:
+            values[(values >= 0) & (samples < self.level)] = -LEAST
         return values
 
     def _position(self, index: Floats, axis: int) -> Floats:
@@ -677,12 +709,12 @@ class _Sweep:
 
     # --- Triangles -------------------------------------------------------------------------
 
-    def _make_cells(self, first: int, samples: Array, active: _Found) -> None:
+    def _make_cells(self, part: _Part, active: _Found) -> None:
         """Add the triangles of active cells, and note their interior points."""
         if not len(active.where):
             return
         cells = _Set.of(active.where, active.found, self.lattice)
-        keys = self._keys(samples, cells, self._signs(active.where, cells))
+        keys = self._keys(part.samples, cells, self._signs(active.where, cells))
         tables = self._learn(keys)
         group = _take(tables.group, keys)
         order = np.argsort(group, kind="stable")
@@ -690,25 +722,25 @@ class _Sweep:
 
         # Take the cells of one group together: their tiles have rows of one length.
         base = 3 * cells.places()
-        begun, owners, start = self.triangles.size, [], 0
-        for number, n in enumerate(counts):
+        begun, owners, start, filled = self.triangles.size, [], 0, 0
+        widths = [group.nodes.shape[1] for group in tables.groups]
+        out = self.triangles.more(sum(n * w // 3 for n, w in zip(counts, widths, strict=True)))
+        for number, (n, width) in enumerate(zip(counts, widths, strict=True)):
             rows = order[start : start + n]
             start += n
-            width = tables.groups[number].nodes.shape[1]
             if not (n and width):
                 continue
             key = _take(keys, rows)
             found = self._nodes(number, _take(tables.row, key), _take(base, rows))
             if tables.groups[number].inside:
-                self._add_interior(
-                    number, first, samples, cells, rows, key, _take(base, rows), found
-                )
-            out = self.triangles.more(n * width // 3)
-            np.add(found, self.offset, out=out.reshape(n, width))
+                self._add_interior(part, number, cells, rows, key, _take(base, rows), found)
+            own = out[filled : filled + n * width // 3]
+            filled += len(own)
+            np.add(found, self.offset, out=own.reshape(n, width))
             if self.with_cells:
                 owners.append(np.repeat(rows, width // 3))
         if owners:
-            self._sort(first, cells, np.concatenate(owners), begun)
+            self._sort(part.first, cells, np.concatenate(owners), begun)
 
     def _keys(self, samples: Array, cells: _Set, signs: Bytes) -> Array:
         """The key of each cell, its decisions taken only where the rule asks."""
@@ -724,18 +756,14 @@ class _Sweep:
         steps = (CORNER_OFFSETS @ self.lattice.sample_steps).tolist()
         g = np.empty((8, len(low)))
         for c, step in enumerate(steps):
-            g[c] = _take(samples, low + step)
-        g -= self.isovalue
+            g[c] = self._relative(_take(samples, low + step))
         return g
 
     def _learn(self, keys: Array) -> _Tables:
         """Tables that hold the tiles of these keys, and with them the steps to their nodes."""
         tables = self.tiles.learn(keys)
         if tables is not self.tables or not self.steps:
-            self.tables = tables
-            steps = np.append(self.lattice.edge_steps, 0)
-            self.steps = [_take(steps, np.minimum(group.nodes, 12)) for group in tables.groups]
-            self.inner = [group.nodes - 12 for group in tables.groups]
+            self.tables, self.steps = tables, tables.steps(self.lattice.edge_steps)
         return tables
 
     def _nodes(self, number: int, row: Integers, base: Integers) -> Array:
@@ -763,9 +791,8 @@ class _Sweep:
 
     def _add_interior(
         self,
+        part: _Part,
         number: int,
-        first: int,
-        samples: Array,
         cells: _Set,
         rows: Integers,
         key: Array,
@@ -777,17 +804,19 @@ class _Sweep:
         end = np.cumsum(own)
         inner = end - own + self.vertices.size
         out = self.vertices.more(int(end[-1]))
-        node = self.inner[number].take(_take(self.tables.row, key), axis=0, mode="clip")
-        inside = inner[:, None] - self.offset + node
-        np.copyto(found, inside, where=node >= 0, casting="same_kind")
+        node = self.tables.groups[number].nodes.take(
+            _take(self.tables.row, key), axis=0, mode="clip"
+        )
+        inside = (inner - self.offset - 12)[:, None] + node
+        np.copyto(found, inside, where=node >= 12, casting="same_kind")
 
         # Place averages here and now, all others at the end.
         index = [cells.lattice_index(axis, rows) for axis in range(3)]
-        index[0] += first
+        index[0] += part.first
         if self.tables.groups[number].inside == _Inside.AVERAGES:
             self._average(key, own, base, index, out)
         else:
-            g = self._corners(samples, cells.samples(rows))
+            g = self._corners(part.samples, cells.samples(rows))
             self.deferred.append(_Deferred(key, g, (index[0], index[1], index[2]), inner))
 
     def _average(
@@ -796,9 +825,12 @@ class _Sweep:
         """Place the averages of n cells, `own` (n,) in each, cell by cell."""
         # Find the average that each point is; take those of as many nodes together.
         tables = self.tables
-        cell = np.repeat(np.arange(len(own)), own)
-        nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
-        mean = _take(tables.means, _take(key, cell)) + nth
+        if (own == 1).all():
+            cell, mean = np.arange(len(own)), _take(tables.means, key)
+        else:
+            cell = np.repeat(np.arange(len(own)), own)
+            nth = np.arange(len(cell)) - np.repeat(np.cumsum(own) - own, own)
+            mean = _take(tables.means, _take(key, cell)) + nth
         length = _take(tables.length, mean)
         order = np.argsort(length, kind="stable")
         start = 0
@@ -831,10 +863,14 @@ class _Sweep:
         """Write the positions of interior points, the cells of one key together."""
         if not self.deferred:
             return
+
+        # Ask each tile where its points are, or for what tells it.
         keys = np.concatenate([part.keys for part in self.deferred])
         g = np.concatenate([part.g for part in self.deferred], axis=1)
         first = np.concatenate([part.first for part in self.deferred])
         cells = [np.concatenate([part.cells[a] for part in self.deferred]) for a in range(3)]
+        later: dict[Callable[[Floats, Floats], Floats], list[tuple[Integers, Integers, Floats]]]
+        later = {}
         order = np.argsort(keys, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
             own = g[:, rows]
@@ -842,8 +878,22 @@ class _Sweep:
             asks = any(getattr(place, "asks_crossings", True) for place in interior)
             crossings = cell_crossings(own) if asks else _NO_CROSSINGS
             for n, place in enumerate(interior):
-                inside = place(own, crossings)
-                out = np.empty((len(rows), 3), self.vertices.array.dtype)
-                for axis in range(3):
-                    out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
-                self.vertices.array[first[rows] + n] = out
+                if hasattr(place, "finish"):
+                    begun = place.begin(own, crossings)  # type: ignore[attr-defined]
+                    later.setdefault(place.finish, []).append((rows, first[rows] + n, begun))
+                else:
+                    self._put(first[rows] + n, cells, rows, place(own, crossings))
+
+        # Finish what many tiles have in common, for the cells of all of them at once.
+        for finish, begun_ones in later.items():
+            rows, numbers, begun = (np.concatenate(x) for x in zip(*begun_ones, strict=True))
+            self._put(numbers, cells, rows, finish(g[:, rows], begun))
+
+    def _put(
+        self, numbers: Integers, cells: list[Integers], rows: Integers, inside: Floats
+    ) -> None:
+        """Write the positions of vertices that are at `inside` (n, 3) in the cells `rows` (n,)."""
+        out = np.empty((len(rows), 3), self.vertices.array.dtype)
+        for axis in range(3):
+            out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
+        self.vertices.array[numbers] = out

@@ -24,9 +24,10 @@ from numpy.typing import ArrayLike
 
 from isoref import vesta as article
 from isoref.diconex import Border, Mode, average_is_active, check_choice
-from isoref.fast.diconex import between, framed
+from isoref.fast.diconex import framed
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
+from isoref.sweep import crossing_parameter
 from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution
 
 Decide = Callable[[Integers, Integers, Integers, Integers], Booleans]
@@ -125,16 +126,34 @@ class Faces:
         return np.searchsorted(self.keys, 3 * lower + direction // 2)
 
     @cached_property
+    def lower(self) -> tuple[Integers, Integers, Integers]:
+        """Three times (F,) the index of the lower voxel in the volume without its frame."""
+        _, n2, n3 = self.shape
+        row, k = np.divmod(self.keys // 3, n3)
+        i, j = np.divmod(row, n2)
+        return i - 1, j - 1, k - 1
+
+    @cached_property
+    def along(self) -> tuple[Booleans, Booleans, Booleans]:
+        """Three times (F,) whether the face is across this axis."""
+        axis = self.direction >> 1
+        return axis == 0, axis == 1, axis == 2
+
+    @cached_property
     def centres(self) -> Integers:
         """(F, 3) the centres, twice the index in the volume without its frame."""
-        doubled: Integers = 2 * self.indices(self.voxel) + DIRECTIONS[self.direction]
+        doubled = np.empty((len(self.keys), 3), np.int64)
+        for axis in range(3):
+            doubled[:, axis] = 2 * self.lower[axis] + self.along[axis]
         return doubled
 
     @cached_property
     def outer(self) -> Booleans:
         """(F,) whether the inactive voxel lies in the frame."""
-        top = 2 * np.array(self.shape) - 5
-        outside: Booleans = np.any((self.centres < 0) | (self.centres >= top), axis=1)
+        outside = np.zeros(len(self.keys), np.bool_)
+        for axis, index in enumerate(self.lower):
+            beyond = (index < 0) | (index == self.shape[axis] - 3)
+            outside |= self.along[axis] & beyond
         return outside
 
     def indices(self, voxel: Integers) -> Integers:
@@ -239,12 +258,22 @@ def _rows(successor: Integers, start: Integers, length: int) -> Integers:
 
 def _points(faces: Faces, field: Field, alpha: float, displaced: bool) -> Floats:
     """(F, 3) positions of the support points, as in Fig. 2d."""
-    place = 0.5 * faces.centres
+    t = np.full(len(faces.keys), 0.5)
     if displaced:
+        # Take the samples on both sides of each face that has them.
         inner = np.flatnonzero(~faces.outer)
-        # The lower voxel lies half a voxel below the centre, which has one odd coordinate.
-        lower, step = np.divmod(faces.centres[inner], 2)
-        place[inner] = between(field.values, alpha, lower, step)
+        samples = np.ascontiguousarray(field.values).reshape(-1)
+        steps = strides(field.shape)
+        low = sum(
+            (faces.lower[axis][inner] * steps[2 * axis] for axis in range(3)),
+            np.zeros(len(inner), np.int64),
+        )
+        high = low + steps[faces.direction[inner] & 6]
+        ends = (samples[place].astype(np.float64) - alpha for place in (low, high))
+        t[inner] = crossing_parameter(*ends)
+    place = np.empty((len(faces.keys), 3))
+    for axis in range(3):
+        place[:, axis] = faces.lower[axis] + faces.along[axis] * t
     return field.position(place)
 
 

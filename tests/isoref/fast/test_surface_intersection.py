@@ -15,10 +15,12 @@ from isoref.curves import Curve, real_and_imaginary
 from isoref.fast import marching_faces
 from isoref.fast import surface_intersection as surface_intersection_module
 from isoref.fast.surface_intersection import (
+    _link,
     candidate_pairs,
     enhanced_marching_cubes,
     intersection_curves,
     join_segments,
+    names_of_rows,
     orientation,
     segment_chains,
     surface_intersection,
@@ -241,6 +243,32 @@ class TestTriangles:
         assert meet(flat, above * [1, 1, -1]) == []
         assert sorted(meet(flat, on_edge)[0]) == [[1, 1, 0], [2, 1, 0]]
         assert meet(flat, below) == []
+
+
+class TestNames:
+    """Rows named by a hash."""
+
+    @settings(max_examples=60)
+    @given(st.lists(st.tuples(*[st.integers(-2, 2)] * 3), min_size=1, max_size=40))
+    def test_equal_rows_and_no_others_have_one_name(self, rows: list[tuple[int, ...]]) -> None:
+        """As whole numbers and as floats, whose bits are mostly zeros."""
+        for kind in (np.int64, np.float64):
+            names = names_of_rows(np.array(rows, kind) + kind(0)).tolist()
+            assert len(set(names)) == len(set(rows)) == len(set(zip(names, rows, strict=True)))
+
+    def test_rows_of_one_hash_are_told_apart(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """The worst hash there is."""
+        monkeypatch.setattr(surface_intersection_module, "_mixed_up", lambda words: words * 0)
+        names = names_of_rows(np.array([[1, 2], [3, 4], [1, 2], [5, 6]]))
+        assert names[0] == names[2]
+        assert len(set(names.tolist())) == 3
+
+    def test_free_ends_are_linked_to_free_starts_in_order(self) -> None:
+        """The first end on a node with its first start, the second with the second."""
+        nodes = np.array([[7, 1], [1, 7], [7, 2], [9, 7], [7, 7]])
+        successor = np.full(5, -1)
+        _link(nodes, successor)
+        assert successor.tolist() == [1, 0, -1, 2, 4]
 
 
 class TestKnownCurves:

@@ -7,6 +7,7 @@ in the cell. So each kind of numbers below is aimed at one of these.
 
 ========================== ========================================================================
 reals                      normal deviates: no ties, nothing special
+alike                      all values of both cells of one size, which is anything from 1e-6 to 1e6
 small integers             many ties, and saddles exactly on the isovalue
 tenths                     decimals of one place, less an isovalue of one place: sums and products
                            that would be equal, were they not rounded
@@ -37,6 +38,10 @@ Random = np.random.Generator
 
 def _reals(rng: Random, n: int) -> Floats:
     return np.abs(rng.normal(size=(4, n)))
+
+
+def _alike(rng: Random, n: int) -> Floats:
+    return rng.uniform(1, 2, (4, n))
 
 
 def _small_integers(rng: Random, n: int) -> Floats:
@@ -78,6 +83,7 @@ def _largest(rng: Random, n: int) -> Floats:
 Sizes = Callable[[Random, int], Floats]
 KINDS: dict[str, Sizes] = {
     "reals": _reals,
+    "alike": _alike,
     "small integers": _small_integers,
     "tenths": _tenths,
     "saddles": _saddles,
@@ -117,7 +123,7 @@ def faces(kind: str, rng: Random, n: int) -> Floats:
 def behind(kind: str, rng: Random, n: int) -> Floats:
     """(4, n) values for the other corners of a cell, with any signs."""
     own = np.abs(KINDS[kind](rng, n))
-    sizes = np.where(rng.random(n) < 0.5, own, _mixed(rng, n))
+    sizes = np.where((rng.random(n) < 0.5) | (kind == "alike"), own, _mixed(rng, n))
     return np.asarray(sizes * rng.choice([1, -1], (4, n)))
 
 
@@ -134,4 +140,5 @@ def pairs(kind: str, axis: int, rng: Random, n: int) -> tuple[Floats, Floats]:
     low[below], high[above] = behind(kind, rng, n), behind(kind, rng, n)
     shared = faces(kind, rng, n)[list(WALK)]
     low[above] = high[below] = shared
-    return low, high
+    size = 10.0 ** rng.uniform(-6, 6, n) if kind == "alike" else 1.0
+    return low * size, high * size

@@ -188,6 +188,12 @@ DECISIONS = {
 }
 
 
+CELL_HOW = (
+    "on the same pairs: all in one call, in smaller ones, backwards, in another layout, some by "
+    "themselves"
+)
+
+
 def _trials(rule: Rule, trials: int) -> tuple[Check, ...]:
     """The premises on decisions, tried."""
     faults = dict(premises.faults_of_decisions(rule, trials))
@@ -202,10 +208,10 @@ def _trials(rule: Rule, trials: int) -> tuple[Check, ...]:
         Check(
             name,
             sentence,
-            how if key == "range" else "on the same pairs",
+            {"range": how, "cell": CELL_HOW, "face": "on the same pairs"}[key],
             (faults[key],) if key in faults else (),
             tried=True,
-            reached=reached or key == "range",
+            reached=reached or key in faults,
         )
         for key, (name, sentence) in DECISIONS.items()
     )
