@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.trilinear import NONE, Truths, cells
 from isograde.oracles.trilinear_distance import distance
@@ -404,9 +404,9 @@ def test_points_on_the_level_set_keep_the_surface_closed_manifold_and_free_of_cr
     values = np.pad(np.random.default_rng(7).normal(size=(7, 7, 7)), 1, constant_values=-1.0)
     field = Field.of(values)
     plain, fine = sweep(tc.RULE, field, 0.0), sweep(tc.drawn(largest), field, 0.0)
-    one, other = (Surface.of(m.vertices, m.simplices) for m in (plain, fine))
+    one, other = (Complex.of(m.vertices, m.simplices) for m in (plain, fine))
     assert (one.components, one.euler) == (other.components, other.euler)
-    assert len(other.open_edges) == len(other.crowded_edges) == len(other.misdirected_edges) == 0
+    assert len(other.open_facets) == len(other.crowded_facets) == len(other.misdirected_facets) == 0
     assert len(self_intersections(fine.vertices, fine.simplices)) == 0
     assert len(fine.simplices) > len(plain.simplices)
 
