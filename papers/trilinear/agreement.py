@@ -149,7 +149,7 @@ def grids_of_noise(adapter: Adapter, number: int, size: int) -> tuple[int, int, 
         good = truths.ties == NONE
         total += int(good.sum())
         wrong += sum(f is not Fault.NONE for f, g in zip(found, good, strict=True) if g)
-        crowds += len(answer.crowded_edges) > 0
+        crowds += len(answer.crowded_facets) > 0
     return total, wrong, crowds
 
 
