@@ -65,7 +65,8 @@ def matching_wave_number(sampler: Sampler, side: int, seed: int, wanted: float) 
         tried[k] = share
         if abs(share - wanted) < 0.005:
             break
-        k *= (100 - wanted) / (100 - share)
+        # Where no voxel is crossed at all, the waves are too long by far.
+        k *= (100 - wanted) / (100 - share) if share < 100 else 2.0
     return min(tried, key=lambda one: abs(tried[one] - wanted))
 
 

@@ -26,7 +26,7 @@ from isoref.rule import Rule
 from scipy import ndimage
 
 HERE = Path(__file__).parent
-SIDE, SEEDS = 24, range(4)
+SIDE, SEEDS = 16, range(3)
 RULES: tuple[Rule, ...] = (
     asymptotic_decider.RULE,
     trilinear_cubes.RULE,
