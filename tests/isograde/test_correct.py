@@ -27,6 +27,7 @@ CHOSEN = (
     "simplices/positive-3-1",
     "simplices/sphere",
     "bodies/3-1/sphere-16-float64",
+    "bodies/3-1/sphere-16-float32",
     "bodies/3-1/sphere-17-uint8",
 )
 POSED = {"own": "noise/white-5x6x7"}
@@ -60,6 +61,10 @@ def test_a_correct_extractor_breaks_no_promise_and_reaches_its_top(name: str) ->
     broken = {s.id: s.failure and (s.failure.case, s.failure.detail) for s in report.broken}
     assert not broken
     assert status_of(report) is Exit.HOLDS
+    if declared.limits.cubes or declared.limits.types:
+        # Its limits leave out most of the chosen cases: what is judged is right, and not enough.
+        assert any(rung.lacking for rung in report.rungs)
+        return
     expected = 1 if declared.not_promised else min(declared.level, declared.top)
     lacking = [s.id for rung in report.rungs[: expected + 1] for s in rung.lacking]
     assert report.reached is not None
