@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 from isograde.cases import all_cases
 from isograde.claims.bodies import CLAIMS
-from isograde.declaration import declaration_from
+from isograde.declaration import Split, declaration_from
 from isograde.model import Case, Kind, Verdict
 from isoref.fast import simplicial
 from isoref.field import Field
@@ -194,3 +195,45 @@ def test_a_fault_is_caught_by_its_claim(claim: str) -> None:
     found = judged(wrong, {}, SURFACES[:1])
     assert set(found[claim]) == {Verdict.FAIL}
     assert set(judged(right, {}, SURFACES[:1])[claim]) == {Verdict.PASS}
+
+
+# Every word's values: three splits, three reaches, each end and inset, both kinds of mesh.
+KUHN = [list(map(list, simplex)) for simplex in Split().over(3)]
+MIRRORED = [[[1 - x, y, z] for x, y, z in simplex] for simplex in KUHN]
+INTERPOLANTS = (
+    "multilinear",
+    "labels",
+    "kuhn",
+    {"tetrahedra": MIRRORED},
+    CORRECT["tetrahedra_of_five"].says["interpolant"],
+)
+VERTICES = ("edges", "cells", {"own": 0.5}, {"own": 1.5}, {"own": 3.0})
+DOMAINS = ("open", "closed", "periodic", {"inset": 0.5, "end": "open"}, {"inset": -0.5})
+MESHES = ("indexed", {"soup": 1e-6})
+NOTHING_PROMISED: tuple[list[str], ...] = ([], ["*"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("interpolant", INTERPOLANTS, ids=lambda one: str(one)[:12])
+@pytest.mark.parametrize(
+    "name", ["always_empty", "declines_everything", "always_one_triangle", "always_one_ball"]
+)
+def test_no_way_to_declare_it_lets_nothing_pass_for_something(name: str, interpolant: Any) -> None:
+    """Issue 11, done when: every combination of the words; promised everything or nothing.
+
+    Level 0 asks every claim on bodies to pass, and none can be taken out of the promise. So where
+    one fails the status is 1 and no level is reached; where none was judged there is no evidence.
+    """
+    function, tried = EMPTY_HANDED[name].function, 0
+    planned = [case for case in SURFACES if "sphere-16-float64" in case.id]
+    assert len(planned) == 1
+    for vertices, domain, mesh, without in product(VERTICES, DOMAINS, MESHES, NOTHING_PROMISED):
+        says = {"interpolant": interpolant, "vertices": vertices, "domain": domain, "mesh": mesh}
+        declared = declaration_from({**says, "not_promised": without, "level": 0}, name)
+        assert all(claim.held(declared) for claim in CLAIMS)
+        found = judged(function, {**says, "not_promised": without, "level": 0}, planned)
+        counts = sum(found.values(), Counter())
+        bad = counts[Verdict.FAIL] + counts[Verdict.ERROR]
+        assert bad or not counts[Verdict.PASS], (says, found)
+        tried += 1
+    assert tried == 100
