@@ -28,6 +28,8 @@ def cases(seed: int = 0) -> list[Case]:
         *(_known_case(make()) for make in space_curves.KNOWN),
         _case("waves", partial(_waves, seed), (22, 22, 22), "full"),
         _case("noise", partial(_noise, seed), (9, 8, 10), "noise posed"),
+        _case("noise-small", partial(_small_noise, seed), (6, 5, 7), "noise posed"),
+        _case("bytes", partial(_whole_noise, seed), (6, 7, 5), "noise posed", (99.5, 120.5)),
         _case("apart", _apart, (13, 13, 13), "empty"),
         _case("identical", _identical, (11, 11, 11), "identical"),
         _case("tangent", _tangent, (13, 13, 13), "touching"),
@@ -35,11 +37,17 @@ def cases(seed: int = 0) -> list[Case]:
     ]
 
 
-def _case(name: str, build: Callable[[], Field], shape: Shape, tags: str) -> Case:
+def _case(
+    name: str,
+    build: Callable[[], Field],
+    shape: Shape,
+    tags: str,
+    isovalues: tuple[float, float] = (0.0, 0.0),
+) -> Case:
     """The case of this name; `tags` are separated by spaces."""
     labels = frozenset({"curves", *tags.split()})
     samples = int(np.prod(shape))
-    return Case(f"curves/{name}", build, (0.0, 0.0), samples, labels, {}, CURVES)
+    return Case(f"curves/{name}", build, isovalues, samples, labels, {}, CURVES)
 
 
 def _known_case(known: KnownCurves) -> Case:
@@ -81,6 +89,18 @@ def _noise(seed: int) -> Field:
     """Independent normal numbers: every configuration, many ambiguous faces."""
     a, b = np.random.default_rng(seed + 1).normal(size=(2, 9, 8, 10))
     return _pair(a, b, (1.0, 0.5, 2.0))
+
+
+def _small_noise(seed: int) -> Field:
+    """The same, small enough to be in general position."""
+    a, b = np.random.default_rng([seed + 1, 65]).normal(size=(2, 6, 5, 7))
+    return _pair(a, b, (1.0, 0.5, 2.0))
+
+
+def _whole_noise(seed: int) -> Field:
+    """Numbers that are bytes, floats and 16-bit integers alike, with isovalues between them."""
+    a, b = np.random.default_rng([seed + 1, 66]).integers(0, 220, (2, 6, 7, 5)).astype(float)
+    return _pair(a, b)
 
 
 def _grid(n: int) -> list[Points]:

@@ -112,7 +112,12 @@ METHODS = {
     **{
         f"isoref:{name.replace('_', '-')}": {
             "function": name,
-            "declaration": {"limits": {"kinds": [[3, 2]]}, "promised": ["curves.identical"]},
+            "declaration": {
+                "limits": {"kinds": [[3, 2]]},
+                "promised": ["curves.identical"],
+                # The gradient that decides a face is taken in space, so a spacing turns it.
+                "not_promised": ["symmetry.spacing"] if name == "marching_faces" else [],
+            },
         }
         for name in ("marching_faces", "surface_intersection")
     },
