@@ -450,5 +450,5 @@ def test_the_terminal_says_the_headline_and_what_is_right(tmp_path: Path) -> Non
     told = run("grade", "isoref:lorensen-cline", *asked).output
     assert "part of the cases" in told
     assert "of its promises are broken" in told
-    assert "Right on every case tried: structure" in told
+    assert "Of the ladder, right on every case tried: structure" in told
     assert "topology.closed: fails on 4 of 16 cases, smallest pairs/0217" in told

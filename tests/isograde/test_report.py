@@ -225,7 +225,7 @@ def test_the_first_screen_says_what_is_wrong_and_what_is_right() -> None:
     report = made(rows)
     for text in (page(report), markdown(report)):
         assert "1 of its promises is broken" in text.replace("\n", " ") or "are broken" in text
-        assert "Right on every case tried: structure, bodies, robustness." in text
+        assert "Of the ladder, right on every case tried: structure, bodies, robustness." in text
         assert "1 of 3 fields short of consistent" in text
 
 

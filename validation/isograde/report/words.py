@@ -59,13 +59,13 @@ def verdict(report: Report) -> str:
 
 
 def right(report: Report) -> str:
-    """What holds on every case tried, by family of claims, in a sentence; or nothing."""
+    """The families whose claims of the ladder hold on every case tried; or nothing."""
     whole: dict[str, bool] = {}
     for summary in report.summaries.values():
         if summary.level is not None and summary.evidence:
             whole[summary.family] = whole.get(summary.family, True) and not summary.bad
     names = [name for name, holds in whole.items() if holds]
-    return f"Right on every case tried: {', '.join(names)}." if names else ""
+    return f"Of the ladder, right on every case tried: {', '.join(names)}." if names else ""
 
 
 def counted(summary: Summary) -> str:
