@@ -35,8 +35,9 @@ At the border
 -------------
 A polygon may touch the border of the lattice in several places, and the quadrilaterals round its
 vertex then fall into several fans that meet in nothing but the vertex. Each fan then gets a vertex
-of its own, at the mean of its crossings and those of the border that follow, so that the mesh is a
-manifold with a border and not only within it.
+of its own, at the mean of its crossings and the nearer half of the crossings of the border on
+either side, so that the mesh is a manifold with a border and not only within it. (A middle one
+counts for neither: then the mirror image of a field has the mirror image of the surface.)
 
 Glossary
 --------
@@ -100,7 +101,7 @@ def patches(signs: int, turned: bool, border: int) -> tuple[Patch, ...]:
 
 
 def fans(polygon: Polygon, inner: frozenset[int]) -> list[Patch]:
-    """The polygon, which is a circle, cut before each run of inner edges; none without a run.
+    """The fans of a polygon, which is a circle; none without an inner edge.
 
     >>> [fan.quads for fan in fans((0, 8, 4, 1, 11, 5), frozenset({0, 1, 4}))]
     [(0,), (4, 1)]
@@ -108,13 +109,28 @@ def fans(polygon: Polygon, inner: frozenset[int]) -> list[Patch]:
     [Patch(crossings=(0, 8, 4), quads=(0, 8, 4))]
     """
     starts = [i for i, e in enumerate(polygon) if e in inner and polygon[i - 1] not in inner]
-    if not starts:
-        return [Patch(polygon, polygon)] if polygon[0] in inner else []
+    if len(starts) < 2:
+        quads = tuple(e for e in polygon if e in inner)
+        return [Patch(polygon, quads)] if quads else []
     found = []
-    for start, end in zip(starts, [*starts[1:], starts[0] + len(polygon)], strict=True):
-        piece = (polygon + polygon)[start:end]
-        found.append(Patch(piece, tuple(e for e in piece if e in inner)))
+    for start in starts:
+        ring = polygon[start:] + polygon[:start]
+        length = next(i for i, e in enumerate(ring) if e not in inner)
+        before = _leading(ring[::-1], inner)[::-1]
+        after = _leading(ring[length:] + ring, inner)
+        quads = ring[:length]
+        found.append(Patch((*before, *quads, *after), quads))
     return found
+
+
+def _leading(way: Polygon, inner: frozenset[int]) -> Polygon:
+    """The nearer half of the border crossings with which this way begins, without a middle one.
+
+    >>> _leading((0, 8, 4, 1), frozenset({1})), _leading((8, 4, 1), frozenset({1}))
+    ((0,), (8,))
+    """
+    run = next(i for i, e in enumerate(way) if e in inner)
+    return way[: run // 2]
 
 
 RULE = DualRule("dual-marching-cubes", patches, pinched_face)
