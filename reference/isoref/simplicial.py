@@ -144,12 +144,7 @@ def section_of_field(
 ) -> Complex:
     """The isosurface as a complex, whose simplices still know their parents. See `extract`."""
     check_input(field.shape, field.components)
-    level = levels(isovalue, field.components)
-    flat = field.values.reshape(field.components, -1)
-
-    def sample(numbers: Integers) -> Floats:
-        return zeroed(flat[:, numbers].T.astype(np.float64) - level, epsilon)
-
+    sample = sampler(field, levels(isovalue, field.components), epsilon)
     lowest = np.indices([N - 1 for N in field.shape]).reshape(field.dimension, -1)
     cells = np.ravel_multi_index(tuple(lowest), field.shape)
     return section_of_cells(field.shape, np.asarray(cells, np.int64), sample, rule, epsilon)
@@ -276,6 +271,12 @@ def levels(isovalue: Isovalue, m: int) -> Floats:
     if len(given) != m:
         raise FieldError(f"{len(given)} isovalues for {m} components; give one, or one a component")
     return np.array([check_isovalue(value) for value in given])
+
+
+def sampler(field: Field, level: Floats, epsilon: float | None) -> Sampler:
+    """What gives the values of samples above the level, (p, m), by the numbers of the samples."""
+    flat = field.values.reshape(field.components, -1)
+    return lambda numbers: zeroed(flat[:, numbers].T.astype(np.float64) - level, epsilon)
 
 
 def zeroed(values: Floats, epsilon: float | None) -> Floats:

@@ -444,8 +444,13 @@ def join_segments(segments: Segments) -> list[Curve]:
     (vertices of one surface exactly on the other) are joined where their coordinates are equal,
     bit for bit. No tolerance is involved. Segments that run both ways are left out.
     """
+    return curves_along(segments, segment_chains(segments))
+
+
+def curves_along(segments: Segments, chains: list[tuple[Integers, bool]]) -> list[Curve]:
+    """The curves through the segments of each chain; a chain that is closed ends where it began."""
     found = []
-    for chain, closed in segment_chains(segments):
+    for chain, closed in chains:
         starts, stops = segments.ends[chain].transpose(1, 0, 2)
         points = starts if closed else np.concatenate([starts, stops[-1:]])
         found += curves_through(points + 0.0, closed)  # no negative zeros

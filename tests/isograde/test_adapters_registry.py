@@ -279,7 +279,9 @@ def test_a_field_without_a_level_set_gives_an_empty_mesh(
     adapter: PythonAdapter, level: float
 ) -> None:
     """Those that close the surface at the border close it round the whole lattice."""
-    for kind in (Kind(*kind) for kind in adapter.declaration.limits.kinds if kind[0] <= 3):
+    kinds = [Kind(*kind) for kind in adapter.declaration.limits.kinds if kind[0] <= 3]
+    assert kinds
+    for kind in kinds:
         outcome = ask(adapter, ball(kind), level, *levels(kind)[1:])
         mesh = outcome.mesh_of(kind)
         assert mesh is not None, outcome.detail

@@ -74,6 +74,7 @@ def test_cells_show_each_configuration_in_both_borders() -> None:
 
 def test_cells_stand_clear_of_ties_of_samples_and_saddles() -> None:
     """Whoever fails a cell cannot plead a tie."""
+    assert len(cells.cases(0)) >= 256
     for case in cells.cases(0):
         values = _values(case) - case.isovalues[0]
         assert np.abs(values).min() >= 1 / 16
@@ -103,6 +104,7 @@ def test_pairs_are_all_the_patterns_of_twelve_signs() -> None:
 
 
 def test_ties_have_samples_or_saddles_at_the_isovalue() -> None:
+    assert any("/saddle/" in case.id for case in ties.cases(0))
     for case in ties.cases(0):
         values = _values(case) - case.isovalues[0]
         if "/saddle/" in case.id:
@@ -356,7 +358,9 @@ def test_every_kind_is_posed_in_every_way_on_a_few_small_cases() -> None:
 
 def test_bodies_are_a_family_of_the_catalogue() -> None:
     """Their kinds have few cases by default."""
-    for kind in {case.kind for case in FAMILIES["bodies"].cases(0)}:
+    kinds = {case.kind for case in FAMILIES["bodies"].cases(0)}
+    assert len(kinds) == 10
+    for kind in kinds:
         listed = [case for case in FAMILIES["bodies"].cases(0) if case.kind == kind]
         default = sum("full" not in case.tags for case in listed)
         assert 8 <= default <= 9 if kind.n <= 3 else default == 2

@@ -39,6 +39,7 @@ def circle(radius: float, centre: tuple[float, float, float], turn: bool, n: int
 @pytest.mark.parametrize("known", ALL, ids=NAMES)
 def test_both_functions_vanish_on_the_curves(known: KnownCurves) -> None:
     """The parametrisation and the functions are written down independently."""
+    assert known.curves
     for curve in known.curves:
         assert np.abs(known.first(*curve.T)).max() < 1e-12
         assert np.abs(known.second(*curve.T)).max() < 1e-12

@@ -1,10 +1,12 @@
 """DICONEX, as the article has it: the contours of Schlei's Fig. 1."""
 
+from collections.abc import Callable
 from typing import get_args
 
 import numpy as np
 import pytest
-from isoref.diconex import Mode, connects, diconex, successor
+from isoref.diconex import Contours, Mode, connects, diconex, successor
+from isoref.fast.diconex import diconex as fast_diconex
 from isoref.field import Field, FieldError, Floats
 
 MODES = get_args(Mode)
@@ -68,19 +70,20 @@ def test_a_point_of_ambiguity_turns_left_to_disconnect_and_right_to_connect() ->
     assert [connects("mixed", 1, 1, -1, x) for x in (-1.0, -1.5)] == [True, False]
 
 
-def test_bad_input_is_named() -> None:
-    """An error says what was wrong."""
+@pytest.mark.parametrize("extract", [diconex, fast_diconex])
+def test_bad_input_is_named(extract: Callable[..., Contours]) -> None:
+    """An error says what was wrong, in the article and in its twin."""
     with pytest.raises(FieldError, match="sample \\(0, 1\\) is nan"):
-        diconex([[0, np.nan]], 0.5)
+        extract([[0, np.nan]], 0.5)
     with pytest.raises(FieldError, match="dimension 3"):
-        diconex(Field.of(np.zeros((2, 2, 2))), 0.5)
+        extract(Field.of(np.zeros((2, 2, 2))), 0.5)
     with pytest.raises(ValueError, match="mode 'both' is not one of"):
-        diconex(SHAPE, 1, mode="both")  # type: ignore[arg-type]
+        extract(SHAPE, 1, mode="both")
     with pytest.raises(FieldError, match="isovalue nan is not finite"):
-        diconex(SHAPE, float("nan"))
+        extract(SHAPE, float("nan"))
     with pytest.raises(FieldError, match="shape \\(0, 3\\) has no samples"):
-        diconex(np.zeros((0, 3)), 0.5)
+        extract(np.zeros((0, 3)), 0.5)
     with pytest.raises(FieldError, match="rank 1"):
-        diconex(np.zeros(3), 0.5)
+        extract(np.zeros(3), 0.5)
     with pytest.raises(ValueError, match="border 'ajar' is not one of open, closed"):
-        diconex(SHAPE, 1, border="ajar")  # type: ignore[arg-type]
+        extract(SHAPE, 1, border="ajar")

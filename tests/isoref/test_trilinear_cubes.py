@@ -197,6 +197,7 @@ def every_key() -> list[int]:
             bits = sum(1 << f for i, f in enumerate(faces) if choice >> i & 1)
             tunnels = range(4) if tc.asks(signs) else range(1)
             found += [signs | (bits | t << 6) << 8 for t in tunnels]
+    assert len(found) > 256
     return found
 
 

@@ -140,6 +140,7 @@ def test_the_printed_lists_name_the_marked_corners_and_separated_faces(
 ) -> None:
     """The drawings the module assumes are those of the lists: no other choice of faces fits."""
     lists = module("nielson_lists")
+    assert lists.check_all()
     for c in lists.check_all():
         signs = decider.drawing(int(c.name[:-1]))
         fitting = [

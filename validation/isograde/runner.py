@@ -35,6 +35,7 @@ from isoref.field import Field
 
 from isograde import variants
 from isograde.adapters import open_adapter
+from isograde.adapters.conventions import refusal
 from isograde.cases import all_cases, blocks
 from isograde.cases.volumes import VolumeError
 from isograde.claims import CLAIMS
@@ -261,10 +262,8 @@ class Worker:
 
     def _call(self, request: Request) -> Outcome:
         """What comes back from one call; a field outside the stated limits is not sent."""
-        values, kind = request.field.values, request.kind
-        refusal = self.declaration.limits.refusal(kind, request.field.shape, values.dtype)
-        if refusal and not variants.is_bad_input(request.variant):
-            return Outcome(Status.DECLINED, detail=refusal)
+        if reason := refusal(request, self.declaration):
+            return Outcome(Status.DECLINED, detail=reason)
         return self.adapter.run(request)
 
     def _decide(self, claim: Claim, trial: Trial, outcomes: dict[str, Outcome]) -> Finding:

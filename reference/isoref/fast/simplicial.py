@@ -34,6 +34,7 @@ from isoref.simplicial import (
     check_input,
     checked_values,
     levels,
+    sampler,
     to_mesh,
     zeroed,
 )
@@ -79,14 +80,10 @@ def section_of_field(
     """The isosurface as a complex, whose simplices still know their parents. See `extract`."""
     check_input(field.shape, field.components)
     level = levels(isovalue, field.components)
-    flat = field.values.reshape(field.components, -1)
-
-    def sample(numbers: Integers) -> Floats:
-        return zeroed(flat[:, numbers].T.astype(np.float64) - level, epsilon)
-
-    samples = flat.shape[1]
+    samples = int(np.prod(field.shape))
     check_memory(PASS_BYTES * samples, allowed_memory(memory), f"one pass over {samples:,} samples")
     cells = active_cells(field, level)
+    sample = sampler(field, level, epsilon)
     return section_of_cells(field.shape, cells, sample, rule, epsilon, memory)
 
 

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from isoref import asymptotic_decider
 from isoref import surface_intersection as article
-from isoref.curves import Curve, check_pair, curves_through, follow
+from isoref.curves import Curve, check_pair, follow
 from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.rule import Rule
-from isoref.surface_intersection import IndexedSurface, Segments, rational
+from isoref.surface_intersection import IndexedSurface, Segments, curves_along, rational
 
 
 def enhanced_marching_cubes(
@@ -216,12 +216,7 @@ def _determinant(u: Floats, v: Floats, w: Floats) -> tuple[Floats, Floats]:
 
 def join_segments(segments: Segments) -> list[Curve]:
     """The curves of the segments; see `isoref.surface_intersection.join_segments`."""
-    found = []
-    for chain, closed in segment_chains(segments):
-        starts, stops = segments.ends[chain].transpose(1, 0, 2)
-        points = starts if closed else np.concatenate([starts, stops[-1:]])
-        found += curves_through(points + 0.0, closed)  # no negative zeros
-    return found
+    return curves_along(segments, segment_chains(segments))
 
 
 def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:

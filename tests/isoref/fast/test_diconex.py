@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from isoref.diconex import Border, Mode
 from isoref.diconex import diconex as diconex_plainly
 from isoref.fast.diconex import diconex
-from isoref.field import Field, FieldError, Floats, Integers
+from isoref.field import Field, Floats, Integers
 from skimage.measure import find_contours
 
 MODES = get_args(Mode)
@@ -175,21 +175,3 @@ def test_an_image_of_active_pixels_is_enclosed_once() -> None:
         (closed,) = diconex(full, 7, mode=mode, border="closed").polygons()
         assert len(closed) == 14 + 1
         assert signed_area(closed) == pytest.approx(2 * (12 - 4 / 8))
-
-
-def test_bad_input_is_named() -> None:
-    """An error says what was wrong."""
-    with pytest.raises(FieldError, match="sample \\(0, 1\\) is nan"):
-        diconex([[0, np.nan]], 0.5)
-    with pytest.raises(FieldError, match="dimension 3"):
-        diconex(Field.of(np.zeros((2, 2, 2))), 0.5)
-    with pytest.raises(ValueError, match="mode 'both' is not one of"):
-        diconex(SHAPE, 1, mode="both")  # type: ignore[arg-type]
-    with pytest.raises(FieldError, match="isovalue nan is not finite"):
-        diconex(SHAPE, float("nan"))
-    with pytest.raises(FieldError, match="shape \\(0, 3\\) has no samples"):
-        diconex(np.zeros((0, 3)), 0.5)
-    with pytest.raises(FieldError, match="rank 1"):
-        diconex(np.zeros(3), 0.5)
-    with pytest.raises(ValueError, match="border 'ajar' is not one of open, closed"):
-        diconex(SHAPE, 1, border="ajar")  # type: ignore[arg-type]

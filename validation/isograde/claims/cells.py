@@ -62,6 +62,7 @@ from isograde.oracles.squares import Squares, squares
 from isograde.oracles.traces import FACES, Traces, segments_on
 
 NOBODY = "no cell without a tied corner is met, or should be"
+ELSEWHERE = "cells of the multilinear interpolant are judged in two and three dimensions"
 
 
 # --- families and kinds -------------------------------------------------------------------------
@@ -131,7 +132,7 @@ def legal(trial: Trial) -> Finding:
         return _cells_legal(trial)
     if trial.kind == CONTOURS:
         return _squares_legal(trial)
-    return skipped("cells of the multilinear interpolant are judged in two and three dimensions")
+    return skipped(ELSEWHERE)
 
 
 def _cells_legal(trial: Trial) -> Finding:
@@ -281,7 +282,7 @@ def count(trial: Trial) -> Finding:
         return _triangles(trial)
     if trial.kind == CONTOURS:
         return _segments(trial)
-    return skipped("cells of the multilinear interpolant are judged in two and three dimensions")
+    return skipped(ELSEWHERE)
 
 
 def _segments(trial: Trial) -> Finding:

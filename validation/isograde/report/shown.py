@@ -7,8 +7,8 @@ answer brought back over the plain one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from isoref.field import Field, Floats, Integers
@@ -120,9 +120,3 @@ def _arrays_record(vertices: Floats, simplices: Integers) -> JSON:
         "vertices": [[float(f"{x:.9g}") for x in row] for row in vertices.tolist()],
         "simplices": simplices.tolist(),
     }
-
-
-def kind_of(record: Mapping[str, Any]) -> Kind:
-    """The kind of an evidence or case record."""
-    n, m = record["kind"]
-    return Kind(n, m)
