@@ -108,7 +108,7 @@ def test_no_module_imports_itself_through_others(package: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "module", ["isograde.command", "isograde.commands.checking", "isograde.adapters.worker"]
+    "module", ["isograde.command", "isograde.checking", "isograde.adapters.worker"]
 )
 def test_help_and_check_wait_for_nothing_they_do_not_use(module: str) -> None:
     """A newcomer's first commands import neither SciPy nor what draws, writes or reads files."""

@@ -10,8 +10,8 @@ import pytest
 from isograde.adapters import export
 from isograde.adapters.measure import ball
 from isograde.adapters.registry import READY_MADE
-from isograde.commands import checking
-from isograde.commands.checking import Advice, Checked, check, misplacement, paste
+from isograde.checking import Advice, Checked, check, paste, small, trying
+from isograde.checking.places import misplacement
 from isograde.declaration import declaration_from
 from isograde.model import Request, Verdict
 from isoref.field import Field
@@ -23,7 +23,7 @@ MISTAKEN = Path(__file__).with_name("mistaken.py")
 @pytest.fixture(autouse=True)
 def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few small cases: what is looked at here is the advice."""
-    monkeypatch.setattr(checking, "CASES_TRIED", 6)
+    monkeypatch.setattr(small, "CASES_TRIED", 6)
 
 
 def advice(name: str) -> list[Advice]:
@@ -206,7 +206,7 @@ def test_a_fault_of_ours_is_told_and_ends_nothing(
     def breaks(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(checking, "measure", breaks)
+    monkeypatch.setattr(trying, "measure", breaks)
     checked = checked_of(odd, "soup")
     assert "could not be finished: ZeroDivisionError" in str(checked.advice)
     assert not checked.right

@@ -13,10 +13,9 @@ from typing import Annotated
 
 import typer
 from isoref.methods import RULES
-from rich.markup import escape
 
-from isograde.commands.console import Exit, console, errors, say, stop
-from isograde.model import Limits, Verdict
+from isograde.commands.console import Exit, console, errors, stop
+from isograde.model import Limits
 
 app = typer.Typer(
     name="isograde",
@@ -109,15 +108,7 @@ def check_(
     """Try the adapter in a few seconds, with advice on each mistake and a declaration to paste."""
     from isograde.commands import checking
 
-    checked = checking.check(implementation, timeout)
-    for verdict, sentence in checked.advice:
-        colour = {Verdict.PASS: "green", Verdict.SKIP: "dim"}.get(verdict, "red")
-        say(f"[{colour}]{checking.SAID.get(verdict, verdict.value):>11}[/]  {escape(sentence)}")
-    if checked.paste:
-        say(f"\nThe declaration to paste (isograde explain declaration):\n{escape(checked.paste)}")
-    if not checked.started:
-        raise typer.Exit(Exit.NOT_STARTED)
-    raise typer.Exit(Exit.HOLDS if checked.right else Exit.FAILS)
+    checking.check(implementation, timeout)
 
 
 @app.command(name="export")

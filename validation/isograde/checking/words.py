@@ -1,0 +1,113 @@
+"""The four words of a declaration, as far as the answers on a few balls tell them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from isoref.field import Field, Floats
+from numpy.typing import NDArray
+
+from isograde.adapters.measure import Ask, Measured, ball, levels
+from isograde.checking.arrays import rows_of
+from isograde.declaration import Declaration, declaration_json
+from isograde.model import SURFACES, Outcome
+
+# A coordinate this near to a whole number, in cells, is one.
+WHOLE = 1e-4
+
+WORDS = {
+    "interpolant": "what it draws inside a cell",
+    "vertices": "where its vertices are",
+    "domain": "how the surface ends at the border",
+    "mesh": "how triangles share vertices",
+}
+
+
+def said_more(declaration: Declaration, word: str) -> bool:
+    """Whether the declaration says of a word what a measurement cannot."""
+    said = declaration_json(declaration)[word]
+    if word == "domain":
+        return any(end["inset"] or end["end"] == "periodic" for end in said) or len(said) > 1
+    return isinstance(said, dict)
+
+
+def exact(said: dict[str, Any]) -> bool:
+    """Whether this family's top is above level 2."""
+    return bool(said["interpolant"] == "multilinear" and said["vertices"] == "edges")
+
+
+def words_of(ask: Ask, plain: Outcome, measured: Measured) -> dict[str, Any]:
+    """The four words, as far as the answers on a few balls tell them."""
+    field = ball(SURFACES)
+    points = _index(plain, field, measured)
+    return {
+        "interpolant": _interpolant(ask, points, field),
+        "vertices": _vertices(points),
+        "domain": _domain(ask),
+        "mesh": _mesh(plain),
+    }
+
+
+def _index(outcome: Outcome, field: Field, measured: Measured) -> Floats:
+    """The vertices in samples, in the order of the array's axes."""
+    assert outcome.vertices is not None
+    points = outcome.vertices.astype(float)
+    points = points[:, ::-1] if measured.axes == "reversed" else points
+    return points / np.asarray(field.spacing) if measured.units == "world" else points
+
+
+def _fractional(points: Floats) -> NDArray[np.bool_]:
+    """(V, 3) coordinates that are no whole numbers."""
+    away: NDArray[np.bool_] = np.abs(points - points.round()) > WHOLE
+    return away
+
+
+def _interpolant(ask: Ask, points: Floats, field: Field) -> str:
+    """Labels where values do not matter, Kuhn's tetrahedra where vertices are on diagonals."""
+    seen = np.where(field.values >= 1, 3.0, -1.0)
+    again = ask(replace(field, values=seen), (1.0,))
+    if again.vertices is not None and again.vertices.shape == points.shape:
+        plain = ask(field, levels(SURFACES))
+        if plain.vertices is not None and np.allclose(again.vertices, plain.vertices):
+            return "labels"
+    many = _fractional(points).sum(axis=1) >= 2
+    parts = points - np.floor(points)
+    inner = np.where(_fractional(points), parts, np.nan)[many]
+    # On a diagonal of Kuhn's split every coordinate that is not whole has the same fraction.
+    alike = len(inner) and (np.nanmax(inner, axis=1) - np.nanmin(inner, axis=1) < WHOLE).all()
+    return "kuhn" if alike and many.mean() > 0.3 else "multilinear"
+
+
+def _vertices(points: Floats) -> str:
+    """On edges, where most vertices have one coordinate that is not whole; else in cells."""
+    inner = _fractional(points).sum(axis=1)
+    parts = points - np.floor(points)
+    diagonal = np.where(_fractional(points), parts, np.nan)
+    with np.errstate(invalid="ignore"):
+        alike = np.ptp(np.where(np.isnan(diagonal), parts.max(1)[:, None], diagonal), axis=1)
+    on_edges = (inner <= 1) | (alike < WHOLE)
+    return "edges" if on_edges.mean() > 0.6 else "cells"
+
+
+def _domain(ask: Ask) -> str:
+    """Open or closed: whether the surface of a slab that reaches the border is capped there."""
+    place = np.indices((6, 6, 6), dtype=float)
+    slab = 1.3 - np.abs(place[0] - 2.55)
+    outcome = ask(Field.of(slab), (0.0,))
+    mesh = outcome.mesh_of(SURFACES)
+    if mesh is None or not len(mesh.simplices):
+        return "open"
+    _, place_of = np.unique(mesh.vertices.round(5), axis=0, return_inverse=True)
+    rows = np.sort(place_of.reshape(-1)[mesh.simplices], axis=1)
+    edges = np.concatenate([rows[:, [0, 1]], rows[:, [1, 2]], rows[:, [0, 2]]])
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    return "open" if (uses == 1).any() else "closed"
+
+
+def _mesh(plain: Outcome) -> Any:
+    """Soup, where each simplex has corners of its own."""
+    assert plain.vertices is not None
+    corners = rows_of(plain).size
+    return {"soup": 1e-6} if len(plain.vertices) >= corners else "indexed"
