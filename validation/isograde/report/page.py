@@ -14,6 +14,7 @@ from isograde.report.lines import JSON
 from isograde.report.picture import SHOWN_BEYOND, picture
 from isograde.report.reading import CONVENTIONS, Report, Summary
 from isograde.report.snippet import snippet
+from isograde.report.viewer import turned_case
 
 FAMILIES = {
     "structure": "The arrays as they came",
@@ -112,6 +113,7 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
         "record": record,
         "command": words.reproduce(report, summary),
         "snippet": snippet(report, summary),
+        "turned": turned_case(record, _answers(report, record), _tie(report)),
     }
 
 
@@ -121,18 +123,28 @@ def _key(record: JSON) -> tuple[tuple[str, str], ...]:
     return KEYS.get(n - m, BEYOND) if n <= 3 else BEYOND
 
 
+def _tie(report: Report) -> str:
+    """The side on which a sample equal to the isovalue counts."""
+    return str(report.declaration["conventions"]["tie"])
+
+
 def _pictures(report: Report, record: JSON) -> list[tuple[str, str]]:
+    """The answers, each with its caption, as pictures."""
+    answers = _answers(report, record)
+    return [(caption, picture(record, mesh, caption, _tie(report))) for caption, mesh in answers]
+
+
+def _answers(report: Report, record: JSON | None) -> list[tuple[str, JSON]]:
     """What came, and beside it what contradicts it: a variant's answer, or a legal one."""
-    if "simplices" not in record["came"] and not record["values"]:
+    if record is None or ("simplices" not in record["came"] and not record["values"]):
         return []
-    tie = report.declaration["conventions"]["tie"]
     shown = [(report.name, record["came"])]
     posed = record.get("posed")
     if posed is not None and "simplices" in posed.get("came", {}):
         shown.append((f"{report.name}, {posed['meaning']}; brought back", posed["came"]))
     elif posed is None and "simplices" in record.get("legal", {}):
         shown.append(("a legal answer", record["legal"]))
-    return [(caption, picture(record, mesh, caption, tie)) for caption, mesh in shown]
+    return shown
 
 
 def _note(record: JSON | None) -> str:

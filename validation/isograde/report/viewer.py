@@ -1,0 +1,203 @@
+"""A failed case as the small data from which a page's viewer turns it; `viewer.js` draws them.
+
+A page holds one static picture for each answer (`picture`), and beside them, once a failure, a JSON
+object: the samples as they are, so that they can be copied, and the answers in index coordinates,
+rounded to what a picture shows. Of a large mesh the simplices nearest to the fault are kept, so
+that a page of reports stays small::
+
+    name, reason             the case's id, and the finding in words
+    shape, values, dtype     the samples in the array's order; no values of a large field
+    inside                   for each sample, 1 where it is inside every component
+    isovalues, spacing, origin
+    answers                  caption, points, rows (simplices), left_out, marks
+    explorer                 the link that opens the case in the explorer, or nothing
+
+A mark is a kind with one point or the two ends of a segment. Kinds are the classes of the static
+picture (gap, crowd, rim, ring, sore-line), and three more: `twice` a simplex that is there more
+than once, `flat` one without area, `unused` a vertex of no simplex.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from itertools import combinations, pairwise, product
+from typing import Any
+
+import numpy as np
+from isoref.field import Floats, Integers
+
+from isograde.report.lines import JSON
+from isograde.report.picture import Scene, facets_of, points_of
+
+# Keep so many simplices of an answer, and mark so many things of one kind.
+KEPT, MARKED = 300, 60
+# Write out the samples of fields up to so many, as pictures draw them.
+SAMPLES = 400
+# A picture is 360 units wide: in a lattice of up to 36 samples a side this is below a tenth of one.
+DECIMALS = 3
+# JSON's readers keep integers up to here.
+EXACT = 2**53
+
+Mark = list[Any]
+
+
+def turned_case(record: JSON | None, answers: list[tuple[str, JSON]], tie: str) -> JSON | None:
+    """What the viewer needs of an evidence record; None where there is nothing to see or copy.
+
+    `answers` are the meshes that the static pictures show, with their captions, what came first.
+    """
+    if record is None or not (record["values"] or answers):
+        return None
+    values = record["values"] if len(record["values"]) <= 11 * SAMPLES else []
+    scenes = [Scene.of(record, mesh, tie) for _, mesh in answers]
+    space = len(record["shape"]) == 3
+    inside = scenes[0].inside.all(axis=0) if scenes and values else np.empty(0)
+    return {
+        "name": record["case"],
+        "reason": record["finding"]["detail"],
+        "shape": record["shape"],
+        "values": [_plain(value) for value in values],
+        "inside": inside.ravel().astype(int).tolist() if space else [],
+        "isovalues": [_plain(value) for value in record["isovalues"]],
+        "spacing": record["spacing"],
+        "origin": record["origin"],
+        "dtype": record["dtype"],
+        "answers": [
+            _answer(caption, scene, n == 0)
+            for n, ((caption, _), scene) in enumerate(zip(answers, scenes, strict=True))
+            if space
+        ],
+        "explorer": "",
+    }
+
+
+def _plain(value: Any) -> Any:
+    """A number as JSON and its readers in browsers hold it; as text where they would not.
+
+    >>> _plain(0.5), _plain(float("nan")), _plain(-math.inf), _plain(2**64 - 1)
+    (0.5, 'NaN', '-Infinity', '18446744073709551615')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int):
+        return value if abs(value) <= EXACT else str(value)
+    if math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else f"{'-' if value < 0 else ''}Infinity"
+
+
+def _answer(caption: str, scene: Scene, accused: bool) -> JSON:
+    """One answer, with its marks; what a finding names is marked in what the accused made."""
+    rows = _nearest(scene)
+    used, renumbered = np.unique(rows, return_inverse=True)
+    points = scene.points[used] if len(rows) else np.empty((0, scene.n))
+    return {
+        "caption": caption,
+        "points": [round(x, DECIMALS) for x in points.ravel().tolist()],
+        "rows": renumbered.reshape(rows.shape).tolist(),
+        "left_out": len(scene.simplices) - len(rows),
+        "marks": _few([*_facets(scene, rows), *(_faults(scene, rows) if accused else ())]),
+    }
+
+
+def _nearest(scene: Scene) -> Integers:
+    """The simplices that are kept: all of a few, else those nearest to the fault."""
+    rows = scene.simplices[np.isfinite(scene.points[scene.simplices]).all(axis=(1, 2))]
+    if len(rows) <= KEPT:
+        return rows
+    named = _named(scene.numbers.get("first"), scene.n)
+    place = np.concatenate(named).mean(axis=0) if named else scene.fault
+    if place is None:
+        place = (np.asarray(scene.shape) - 1) / 2
+    away = np.abs(scene.points[rows].mean(axis=1) - place).max(axis=1)
+    return rows[np.sort(np.argsort(away, kind="stable")[:KEPT])]
+
+
+def _few(marks: list[Mark]) -> list[Mark]:
+    """The marks, at most `MARKED` of a kind, all numbers finite."""
+    kept: list[Mark] = []
+    count: Counter[str] = Counter()
+    for kind, *where in marks:
+        if count[kind] < MARKED and np.isfinite(where).all():
+            count[kind] += 1
+            kept.append([kind, *(round(float(x), DECIMALS) for x in where)])
+    return kept
+
+
+def _facets(scene: Scene, rows: Integers) -> Iterator[Mark]:
+    """Facets of one simplex, inside the lattice or on its border, and of more than two."""
+    if scene.k < 1 or not len(rows):
+        return
+    kept = {facet for row in rows.tolist() for facet in combinations(sorted(row), scene.k)}
+    for facet, uses in facets_of(scene.simplices).items():
+        if facet not in kept or uses == 2:
+            continue
+        place = scene.points[list(facet)]
+        kind = "crowd" if uses > 2 else "rim" if scene.on_border(place) else "gap"
+        yield [kind, *place.ravel()]
+
+
+def _faults(scene: Scene, rows: Integers) -> Iterator[Mark]:
+    """What the finding names, and simplices and vertices that are never right."""
+    numbers: Mapping[str, Any] = scene.numbers
+    for name in ("first", "at"):
+        for marked in _named(numbers.get(name), scene.n):
+            yield from _outline("sore-line", marked)
+    cell = points_of(numbers.get("cell"), scene.n)
+    if cell is not None:
+        yield from _block(cell[0], range(scene.n))
+    sample = points_of(numbers.get("sample"), scene.n)
+    if sample is not None:
+        axes = numbers.get("axes", numbers.get("axis", ()))
+        yield from _block(sample[0], [axes] if isinstance(axes, int) else axes)
+    yield from _never_right(scene, rows)
+
+
+def _never_right(scene: Scene, rows: Integers) -> Iterator[Mark]:
+    """Of these triangles those that are there twice or without area; vertices of no simplex."""
+    if scene.k == 2 and len(rows):
+        corners = scene.points[rows]
+        _, first, uses = np.unique(
+            np.sort(rows, axis=1), axis=0, return_index=True, return_counts=True
+        )
+        for n in first[uses > 1]:
+            yield from _outline("twice", corners[n])
+        area = np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        for n in np.flatnonzero(area == 0):
+            yield from _outline("flat", corners[n])
+    for n in np.setdiff1d(np.arange(len(scene.points)), scene.simplices):
+        yield ["unused", *scene.points[n]]
+
+
+def _named(value: Any, n: int) -> list[Floats]:
+    """What a number of a finding names: a point, a facet, a simplex, or several simplices."""
+    one = points_of(value, n)
+    if one is not None:
+        return [one]
+    several = [points_of(part, n) for part in value] if isinstance(value, list) else []
+    return [part for part in several if part is not None]
+
+
+def _outline(kind: str, points: Floats) -> Iterator[Mark]:
+    """A point as a ring, two as a segment, more as a closed line."""
+    if len(points) == 1:
+        yield ["ring", *points[0]]
+    for a, b in pairwise([*points, points[0]][: len(points) + (len(points) > 2)]):
+        yield [kind, *a, *b]
+
+
+def _block(low: Floats, axes: Any) -> Iterator[Mark]:
+    """The edges of the lattice's face that begins at a sample and spans these axes."""
+    unit = np.eye(len(low))
+    axes = list(axes)
+    if not axes:
+        yield ["ring", *low]
+    for ends in product((0, 1), repeat=len(axes)):
+        start = low + sum((end * unit[axis] for end, axis in zip(ends, axes, strict=True)), 0 * low)
+        for end, axis in zip(ends, axes, strict=True):
+            if not end:
+                yield ["sore-line", *start, *(start + unit[axis])]
