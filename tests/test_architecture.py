@@ -26,6 +26,10 @@ EXTRAS = (
     "pooch",
     "tifffile",
     "pyvista",
+    "SimpleITK",
+    "h5py",
+    "zarr",
+    "meshio",
 )
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import Field, FieldError, Floats, Integers, check_isovalue
+from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, check_straight
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +120,7 @@ def check_pair(first: Field, second: Field, isovalues: tuple[float, float]) -> N
     # Look at each field by itself.
     for number, (field, isovalue) in enumerate(zip((first, second), isovalues, strict=True), 1):
         check_isovalue(isovalue)
+        check_straight(field)
         if field.dimension != 3 or field.components != 1 or field.values.ndim != 3:
             raise FieldError(
                 f"field {number} has rank {field.values.ndim} on a lattice of dimension "

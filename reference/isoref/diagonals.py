@@ -47,7 +47,7 @@ import numpy as np
 
 from isoref.fast.sweep import sweep_with_cells
 from isoref.field import Field, Floats
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.rule import Rule
 
 Criterion = Literal["smooth", "angle"]
@@ -55,6 +55,7 @@ Triangle = tuple[int, int, int]
 Worth = Callable[[Floats], float]
 
 
+@in_space
 def extract(rule: Rule, field: Field, isovalue: float, criterion: Criterion = "smooth") -> Mesh:
     """The rule's surface with its diagonals chosen by the criterion.
 
@@ -82,7 +83,7 @@ def extract(rule: Rule, field: Field, isovalue: float, criterion: Criterion = "s
     if not len(cells):
         return mesh
     triangles = mesh.simplices.copy()
-    place = (mesh.vertices - field.origin) / field.spacing
+    place = field.index(mesh.vertices)
     starts = np.flatnonzero(np.r_[True, cells[1:] != cells[:-1]])
     lattice = tuple(n - 1 for n in field.shape)
     for start, stop in zip(starts, [*starts[1:], len(cells)], strict=True):

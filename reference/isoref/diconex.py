@@ -58,6 +58,7 @@ from isoref.field import (
     Floats,
     Integers,
     check_isovalue,
+    check_straight,
     inside_samples,
 )
 from isoref.mesh import Mesh
@@ -240,6 +241,7 @@ def as_field(values: ArrayLike | Field, dimension: int) -> Field:
             f"a field of {field.components} components on a lattice of dimension "
             f"{field.dimension} is not scalar of dimension {dimension}"
         )
+    check_straight(field)
     return field
 
 

@@ -55,7 +55,7 @@ import numpy as np
 from isoref.cube import CORNER_OFFSETS, EDGE_OF, FACE_EDGES, corner_at, crossed_edges
 from isoref.cycles import Polygon
 from isoref.field import Booleans, Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import cell_crossings, check_volume
 
 Cell = tuple[int, int, int]
@@ -96,6 +96,7 @@ def inner_edges(signs: int, border: int) -> frozenset[int]:
     return frozenset(crossed_edges(signs)) - outer
 
 
+@in_space
 def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
     """The rule's surface of a volume, in triangles, its normals from high values to low ones.
 

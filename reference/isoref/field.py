@@ -9,13 +9,17 @@ n           dimension of the lattice
 N1 .. Nn    number of samples along each axis, in the order of the array's axes
 m           number of components a sample has (1 for a scalar field)
 index       integer coordinates of a sample, (i1, .., in)
-position    ``origin + index * spacing``
+direction   of an axis: the unit vector in space along which its index grows
+position    ``origin + sum of index_a * spacing_a * direction_a``; where axis a of the array is axis
+            a of space, as it is unless something else is said, ``origin + index * spacing``
+straight    a field whose axes are those of space
 isovalue    the constant of the isosurface; a sample is *inside* when ``value >= isovalue``
 
 Invariants
 ----------
-Samples are finite numbers, there is at least one along each axis, and spacings are positive:
-whoever holds a `Field` need not ask again.
+Samples are finite numbers, there is at least one along each axis, spacings are positive, and
+directions have length one and are independent: whoever holds a `Field` need not ask again.
+Directions need not be at right angles: a scanner's gantry may be tilted.
 """
 
 from __future__ import annotations
@@ -33,6 +37,10 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 
+#: How far from 1 the length of a direction may be, and how small the volume of all of them.
+UNIT, FLAT = 1e-3, 1e-6
+
+
 class FieldError(ValueError):
     """The input is no field; the message says what is wrong, where, and what to do."""
 
@@ -48,12 +56,14 @@ class Field:
     values : (N1, .., Nn) array, or (m, N1, .., Nn) for m components
         Real numbers of any integer or floating type, never copied without need.
     spacing, origin : n floats
-        Position of index i is ``origin + i * spacing``.
+        Position of index i is ``origin + i * spacing`` in a straight field.
+    directions : n rows of n floats, one an axis, or None for a straight field
     """
 
     values: Array
     spacing: tuple[float, ...]
     origin: tuple[float, ...]
+    directions: tuple[tuple[float, ...], ...] | None = None
 
     @classmethod
     def of(
@@ -62,6 +72,7 @@ class Field:
         spacing: float | Sequence[float] | None = None,
         origin: float | Sequence[float] | None = None,
         *,
+        directions: ArrayLike | None = None,
         dimension: int | None = None,
     ) -> Field:
         """The field with these samples, checked.
@@ -71,6 +82,8 @@ class Field:
         values : array-like of real numbers
         spacing : one number for all axes or one an axis; 1 by default
         origin : one number for all axes or one an axis; 0 by default
+        directions : (n, n), for each axis of the array the unit vector along which it runs in
+            space; by default axis a runs along axis a of space
         dimension : n, where it is not the rank of `values`: with ``dimension = rank - 1`` the
             first axis counts components
 
@@ -78,8 +91,8 @@ class Field:
         ------
         FieldError
             for NaN or infinite samples, an empty array, a wrong rank, a type that is not real,
-            a masked array, a spacing that is not positive, an origin that is not finite, or either
-            of a wrong length.
+            a masked array, a spacing that is not positive, an origin that is not finite, either
+            of a wrong length, or directions that are no n independent vectors of length one.
 
         >>> Field.of([[0, 1], [2, 3]], spacing=0.5).position([1, 1])
         array([0.5, 0.5])
@@ -107,7 +120,40 @@ class Field:
             raise FieldError(f"spacing {steps.tolist()} must be positive and finite on every axis")
         if not np.isfinite(corner).all():
             raise FieldError(f"origin {corner.tolist()} must be {n} finite numbers")
-        return cls(samples, tuple(steps.tolist()), tuple(corner.tolist()))
+        frame = None if directions is None else _frame(directions, n)
+        return cls(samples, tuple(steps.tolist()), tuple(corner.tolist()), frame)
+
+    @classmethod
+    def of_affine(cls, values: ArrayLike, affine: ArrayLike) -> Field:
+        """The scalar field whose sample i stands at ``affine @ (i1, .., in, 1)``.
+
+        Parameters
+        ----------
+        values : (N1, .., Nn) real numbers
+        affine : (n + 1, n + 1), its last row (0, .., 0, 1), as nibabel gives it
+
+        Raises
+        ------
+        FieldError
+            for a matrix of another shape, one that is not finite or flattens space, and as `of`.
+
+        >>> turned = [[0, -2, 0, 5], [1, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1]]
+        >>> Field.of_affine(np.zeros((4, 4, 4)), turned).position([1, 1, 0]).tolist()
+        [3.0, 7.0, 7.0]
+        """
+        n = np.ndim(values)
+        matrix = np.asarray(affine, np.float64)
+        if matrix.shape != (n + 1, n + 1) or not np.isfinite(matrix).all():
+            raise FieldError(f"the affine of {n} axes is {n + 1} by {n + 1} finite numbers")
+        if matrix[n].tolist() != [0.0] * n + [1.0]:
+            raise FieldError(f"the last row of an affine is 0, .., 0, 1, not {matrix[n].tolist()}")
+        steps = matrix[:n, :n].T
+        lengths = np.linalg.norm(steps, axis=1)
+        if not lengths.all():
+            raise FieldError(f"the affine moves nothing along axis {int(lengths.argmin())}")
+        return cls.of(
+            values, lengths.tolist(), matrix[:n, n].tolist(), directions=steps / lengths[:, None]
+        )
 
     @property
     def dimension(self) -> int:
@@ -124,10 +170,84 @@ class Field:
         """m, the number of values a sample has; 1 for a scalar field."""
         return 1 if self.values.ndim == self.dimension else self.values.shape[0]
 
+    @property
+    def handedness(self) -> int:
+        """+1, or -1 where the axes of the array are a mirror image of those of space."""
+        return 1 if self.directions is None else int(np.sign(np.linalg.det(self.directions)))
+
+    @property
+    def affine(self) -> Floats:
+        """(n + 1, n + 1) the matrix that takes (index, 1) to (position, 1)."""
+        n = self.dimension
+        matrix = np.eye(n + 1)
+        frame = np.eye(n) if self.directions is None else np.array(self.directions)
+        matrix[:n, :n] = (frame * np.array(self.spacing)[:, None]).T
+        matrix[:n, n] = self.origin
+        return matrix
+
     def position(self, index: ArrayLike) -> Floats:
-        """``origin + index * spacing`` for fractional indices of shape (.., n)."""
+        """Where fractional indices of shape (.., n) stand in space, (.., n)."""
+        if self.directions is not None:
+            return self.placed(np.multiply(index, self.spacing))
         place: Floats = np.multiply(index, self.spacing) + np.asarray(self.origin, np.float64)
         return place
+
+    def placed(self, points: Floats) -> Floats:
+        """(.., n) points given along the lattice's own axes from its first sample on, in space."""
+        frame = np.eye(self.dimension) if self.directions is None else np.array(self.directions)
+        place: Floats = points @ frame + np.asarray(self.origin, np.float64)
+        return place
+
+    def index(self, positions: ArrayLike) -> Floats:
+        """The fractional indices of positions of shape (.., n): `position`, backwards."""
+        away = np.subtract(positions, self.origin)
+        if self.directions is not None:
+            away = away @ np.linalg.inv(self.directions)
+        found: Floats = away / self.spacing
+        return found
+
+    def straight(self) -> Field:
+        """The same samples on a straight lattice; the field itself where it is straight.
+
+        Where it has directions, what is straightened begins at 0.
+        """
+        if self.directions is None:
+            return self
+        return Field(self.values, self.spacing, (0.0,) * self.dimension)
+
+    def with_values(self, values: Array) -> Field:
+        """Other samples, which must be finite, on the same lattice at the same place."""
+        return Field(values, self.spacing, self.origin, self.directions)
+
+
+def _frame(given: ArrayLike, n: int) -> tuple[tuple[float, ...], ...] | None:
+    """The rows of a matrix of directions, of length one; None where they are the axes of space."""
+    try:
+        rows = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        raise FieldError(f"directions {given!r} are not made of numbers") from None
+    if rows.shape != (n, n) or not np.isfinite(rows).all():
+        raise FieldError(f"directions of {n} axes are {n} rows of {n} finite numbers, one an axis")
+    lengths = np.linalg.norm(rows, axis=1)
+    # Files round to three or four digits.
+    if (abs(lengths - 1) > UNIT).any():
+        raise FieldError(
+            f"directions have lengths {lengths.tolist()}, not 1: what is longer belongs to spacing"
+        )
+    if abs(np.linalg.det(rows)) < FLAT:
+        raise FieldError("directions lie in a plane: the volume would be flat")
+    if (rows == np.eye(n)).all():
+        return None
+    return tuple(tuple(row) for row in (rows / lengths[:, None]).tolist())
+
+
+def check_straight(field: Field) -> None:
+    """Raise FieldError where the axes of a field are not those of space."""
+    if field.directions is not None:
+        raise FieldError(
+            "this works on straight lattices alone: use field.straight(), and field.placed for the "
+            "points that come back"
+        )
 
 
 def _one_an_axis(what: str, given: ArrayLike, n: int) -> Floats:

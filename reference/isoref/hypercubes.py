@@ -48,7 +48,7 @@ from scipy.spatial import ConvexHull
 
 from isoref.field import Field, FieldError, Floats, Integers, check_isovalue
 from isoref.kuhn import check_thickness, corner_offsets
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 
 Place = tuple[int, ...]
 Facet = frozenset[Place]
@@ -156,6 +156,7 @@ def oriented(row: tuple[Place, ...], outward: Floats) -> tuple[Place, ...]:
     return row if np.linalg.det(frame) > 0 else (*row[:-2], row[-1], row[-2])
 
 
+@in_space
 def extract(field: Field, isovalue: float = 0.0) -> Mesh:
     """The isosurface of a scalar field on a lattice of two to four axes, cube by cube.
 

@@ -54,7 +54,7 @@ import numpy as np
 
 from isoref.cube import EDGES
 from isoref.diconex import check_choice
-from isoref.field import Field, FieldError, Floats, Integers, check_isovalue
+from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, check_straight
 from isoref.freeze_out import Elements
 from isoref.kuhn import check_thickness, corner_offsets
 from isoref.marching_vesta import cycles, decisions
@@ -112,6 +112,7 @@ def hypersurface(temperature: Field, freeze_out: float, mode: Mode = "mixed") ->
             "hypersurface in 3+1 dimensions needs one temperature on four; two and three axes are "
             "isoref.diconex and isoref.freeze_out"
         )
+    check_straight(temperature)
     check_thickness(temperature.shape)
     values = temperature.values.astype(np.float64) - check_isovalue(freeze_out)
     places: list[Floats] = []

@@ -151,7 +151,7 @@ def interpolate(field: Field, points: ArrayLike) -> Floats:
     """
     # Find the cell of each point, and its coordinates there.
     shape = np.asarray(field.shape)
-    place = (np.asarray(points, np.float64) - field.origin) / field.spacing
+    place = field.index(points)
     check_thickness(field.shape)
     if not ((place >= 0) & (place <= shape - 1)).all():
         raise FieldError("a point lies outside the lattice; interpolate inside it only")

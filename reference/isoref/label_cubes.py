@@ -45,7 +45,7 @@ def labels(field: Field, isovalue: float) -> Field:
     [-1, 1]
     """
     inside = inside_samples(field, check_isovalue(isovalue))
-    return Field(np.where(inside, 1, -1).astype(np.int8), field.spacing, field.origin)
+    return field.with_values(np.where(inside, 1, -1).astype(np.int8))
 
 
 def surface(field: Field, isovalue: float) -> Mesh:

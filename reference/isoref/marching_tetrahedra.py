@@ -75,7 +75,7 @@ import numpy as np
 from isoref.cube import CORNER_OFFSETS, CORNERS, corner_at
 from isoref.field import Field, FieldError, Floats, check_isovalue, inside_samples
 from isoref.kuhn import chains
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 Place = tuple[int, ...]
@@ -257,6 +257,7 @@ def _parity(order: Sequence[int]) -> int:
     return 1 - 2 * (sum(a > b for a, b in combinations(order, 2)) % 2)
 
 
+@in_space
 def surface(split: Split, field: Field, isovalue: float) -> Mesh:
     """The level set of the function that is linear on each tetrahedron, from high to low.
 

@@ -18,14 +18,17 @@ inside to outside, from high values to low ones.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any, Literal, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import FieldError, Floats, Integers
+from isoref.field import Field, FieldError, Floats, Integers
 
+Given = ParamSpec("Given")
 Precision = Literal["single", "double"]
 
 #: What vertices and simplices are made of.
@@ -108,7 +111,23 @@ class Mesh:
         dtype('float32')
         """
         real, whole = number_types(precision, len(self.vertices))
-        return Mesh(self.vertices.astype(real), self.simplices.astype(whole))
+        return replace(
+            self, vertices=self.vertices.astype(real), simplices=self.simplices.astype(whole)
+        )
+
+    def placed(self, field: Field) -> Mesh:
+        """The mesh of ``field.straight()`` where the field stands in space.
+
+        Where space sees a mirror image, each simplex is turned, so that its orientation says again
+        what it says of a straight field (for triangles, normals from high values to low ones).
+        """
+        if field.directions is None:
+            return self
+        vertices = field.placed(self.vertices).astype(self.vertices.dtype, copy=False)
+        simplices = self.simplices
+        if field.handedness < 0 and self.dimension > 0:
+            simplices = np.concatenate([simplices[:, :-2], simplices[:, :-3:-1]], axis=1)
+        return replace(self, vertices=vertices, simplices=simplices)
 
     @property
     def dimension(self) -> int:
@@ -153,3 +172,25 @@ def _sorted_with_sign(cells: Integers) -> Integers:
     odd = np.asarray(inversions) % 2 == 1
     ordered[odd, -2:] = ordered[odd, -2:][:, ::-1]
     return ordered
+
+
+def in_space(extract: Callable[Given, Mesh]) -> Callable[Given, Mesh]:
+    """An extractor for straight fields, made to serve fields that have directions too.
+
+    It is called with the straight field, and what it draws is placed. So the articles need know
+    nothing of directions, and topology and vertices along the lattice's axes do not depend on them.
+    """
+
+    @wraps(extract)
+    def placed(*args: Given.args, **kwargs: Given.kwargs) -> Mesh:
+        fields = [one for one in (*args, *kwargs.values()) if isinstance(one, Field)]
+        if not fields or fields[0].directions is None:
+            return extract(*args, **kwargs)
+        straight = [one.straight() if isinstance(one, Field) else one for one in args]
+        named = {
+            name: one.straight() if isinstance(one, Field) else one for name, one in kwargs.items()
+        }
+        mesh: Mesh = extract(*straight, **named)  # type: ignore[arg-type]
+        return mesh.placed(fields[0])
+
+    return placed

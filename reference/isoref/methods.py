@@ -28,7 +28,7 @@ from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
 from isoref.field import Field, check_isovalue
 from isoref.marching_tetrahedra import Split
-from isoref.mesh import Mesh, Precision, number_types
+from isoref.mesh import Mesh, Precision, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import check_volume
 from isoref.vesta import SIX_SURFACES
@@ -64,6 +64,7 @@ SPLITS: dict[str, Split] = {
 METHODS |= {name: partial(tetrahedra.surface, split) for name, split in SPLITS.items()}
 
 
+@in_space
 def _simplicial(field: Field, isovalue: float) -> Mesh:
     """Min's surface of a volume, empty where the lattice has no cells."""
     from isoref.fast import simplicial  # Here, since SciPy takes a second to import.
@@ -85,6 +86,8 @@ def extract(
     origin: Sequence[float] | None = None,
     method: str = "asymptotic-decider",
     precision: Precision = "double",
+    *,
+    directions: ArrayLike | None = None,
 ) -> Mesh:
     """The isosurface of an array, by the method of this name.
 
@@ -92,7 +95,7 @@ def extract(
     ----------
     values : (N1, N2, N3) real numbers; a `numpy.memmap` is read plane by plane by cube rules
     isovalue : in the unit of the values
-    spacing, origin : of the lattice, as of `Field.of`
+    spacing, origin, directions : of the lattice, as of `Field.of`
     method : a name of `METHODS`
     precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
         libraries give, in half the memory
@@ -110,7 +113,7 @@ def extract(
     if method not in METHODS:
         raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
     number_types(precision)
-    field = Field.of(values, spacing, origin)
+    field = Field.of(values, spacing, origin, directions=directions)
     if method in RULES:
         return sweep(RULES[method], field, isovalue, precision)
     mesh = METHODS[method](field, isovalue)

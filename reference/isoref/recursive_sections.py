@@ -45,7 +45,7 @@ from functools import cache
 import numpy as np
 
 from isoref.field import Field, Floats
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.simplex_section import crossing
 from isoref.simplicial import (
     Isovalue,
@@ -109,6 +109,7 @@ def asked(p: int, q: int) -> int:
     return len(known)
 
 
+@in_space
 def extract(field: Field, isovalue: Isovalue = 0.0) -> Mesh:
     """The isosurface of m components on a lattice of dimension n, by recursive sections.
 

@@ -63,7 +63,7 @@ from isoref.kuhn import (
     signs,
     strides,
 )
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.simplex_section import crossing, section_table, with_epsilon
 
 Isovalue = float | Sequence[float]
@@ -101,6 +101,7 @@ class Piece(NamedTuple):
     parent: int
 
 
+@in_space
 def extract(
     field: Field,
     isovalue: Isovalue = 0.0,

@@ -42,8 +42,16 @@ from __future__ import annotations
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, axis_of
-from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh
+from isoref.field import (
+    Field,
+    FieldError,
+    Floats,
+    Integers,
+    check_isovalue,
+    check_straight,
+    inside_samples,
+)
+from isoref.mesh import Mesh, in_space
 from isoref.rule import Rule
 
 #: The least positive float.
@@ -53,6 +61,7 @@ Cell = tuple[int, ...]
 Name = tuple[int, ...]
 
 
+@in_space
 def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
     """The rule's surface of a volume, its normals from high values to low ones.
 
@@ -192,3 +201,4 @@ def check_volume(field: Field) -> None:
             f"a sweep needs one value a sample on a 3-D lattice, not {field.components} on a "
             f"{field.dimension}-D one"
         )
+    check_straight(field)

@@ -69,7 +69,7 @@ from numpy.typing import ArrayLike
 from isoref.cycles import Triangle, fan
 from isoref.diconex import Border, Mode, as_field, check_choice, connects
 from isoref.field import Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import crossing_parameter
 
 Resolution = Literal["L", "H"]
@@ -177,6 +177,7 @@ class Surface:
         return sums
 
 
+@in_space
 def vesta(
     values: ArrayLike | Field,
     isovalue: float,

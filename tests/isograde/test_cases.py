@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from isograde.cases import FAMILIES, all_cases, analytic, cells, noise, pairs, ties, volumes
 from isograde.cases.frozen import digest, integers
+from isograde.formats.reading import VolumeError
 from isograde.model import Case, Kind
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
@@ -187,7 +188,7 @@ def test_a_downloaded_raw_volume_is_found_and_read(
     read = volumes.read(place, volume=volume)
     assert np.array_equal(read.values, samples.reshape(64, 64, 64))
     samples[:-1].tofile(place)
-    with pytest.raises(volumes.VolumeError, match="holds 262143 samples"):
+    with pytest.raises(VolumeError, match="holds 262143 samples"):
         volumes.read(place, volume=volume)
 
 
@@ -243,13 +244,13 @@ def test_a_bad_file_is_named_with_its_fault(
     path = tmp_path / name
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(volumes.VolumeError, match=message):
+    with pytest.raises(VolumeError, match=message):
         volumes.read(path)
 
 
 def test_a_volume_without_an_address_says_where_to_get_it() -> None:
     volume = volumes.Volume("x", "", "x.npy", (1, 1, 1), "uint8", (), "", "the archive")
-    with pytest.raises(volumes.VolumeError, match="get it from the archive"):
+    with pytest.raises(VolumeError, match="get it from the archive"):
         volumes.fetch(volume)
 
 
@@ -272,7 +273,7 @@ def test_without_a_network_it_is_said_what_to_do(
         raise ConnectionError("no route to host")
 
     _given(monkeypatch, tmp_path, fails)
-    with pytest.raises(volumes.VolumeError) as told:
+    with pytest.raises(VolumeError) as told:
         volumes.fetch(TINY)
     for words in ("ConnectionError", "the archive", "tiny.raw", str(tmp_path), "ISOGRADE_DATA"):
         assert words in str(told.value)
@@ -298,7 +299,7 @@ def test_a_download_that_nothing_vouches_for_is_said_to_be_unverified(
         assert "unverified" in told
         assert hashlib.sha256(bytes(8)).hexdigest() in told
     else:
-        with pytest.raises(volumes.VolumeError, match="7 bytes, where tiny has 8"):
+        with pytest.raises(VolumeError, match="7 bytes, where tiny has 8"):
             volumes.fetch(TINY)
         assert not list(tmp_path.rglob("*.raw"))
 

@@ -27,6 +27,11 @@ from isoref.field import Field, FieldError, inside_samples, least_inside
         ({"values": np.ma.array([1.0, 2.0])}, "masked array"),
         ({"values": np.zeros((2, 2)), "origin": [0, np.nan]}, "origin"),
         ({"values": np.zeros((2, 2)), "spacing": [1, np.inf]}, "finite"),
+        ({"values": np.zeros((2, 2)), "directions": np.eye(3)}, "2 rows of 2 finite numbers"),
+        ({"values": np.zeros((2, 2)), "directions": [[1, 0], [0, np.nan]]}, "2 finite numbers"),
+        ({"values": np.zeros((2, 2)), "directions": "up"}, "not made of numbers"),
+        ({"values": np.zeros((2, 2)), "directions": [[2, 0], [0, 1]]}, "belongs to spacing"),
+        ({"values": np.zeros((2, 2)), "directions": [[1, 0], [-1, 0]]}, "lie in a plane"),
     ],
 )
 def test_what_is_no_field_is_refused_with_what_and_where(
@@ -66,3 +71,41 @@ def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
         assert (samples >= least_inside(samples.dtype, 0.3)).tolist() == exact
     mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
     assert mask.tolist() == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("affine", "message"),
+    [
+        (np.eye(4), "the affine of 2 axes is 3 by 3"),
+        (np.diag([1, 1, 2]), "last row"),
+        (np.diag([1, 0, 1]), "moves nothing along axis 1"),
+        (np.diag([1, np.nan, 1]), "finite numbers"),
+        ([[1, 2, 0], [1, 2, 0], [0, 0, 1]], "lie in a plane"),
+    ],
+)
+def test_an_affine_that_is_none_is_refused(affine: Any, message: str) -> None:
+    """With what is wrong."""
+    with pytest.raises(FieldError, match=message):
+        Field.of_affine(np.zeros((2, 2)), affine)
+
+
+def test_an_affine_comes_back_and_takes_indices_to_positions() -> None:
+    """Oblique, mirrored and sheared: `affine`, `position` and `index` say one thing."""
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        affine = np.vstack([random.normal(size=(3, 4)), [0, 0, 0, 1]])
+        field = Field.of_affine(np.zeros((2, 3, 4)), affine)
+        assert field.affine == pytest.approx(affine)
+        assert field.handedness == np.sign(np.linalg.det(affine[:3, :3]))
+        index = random.normal(size=(5, 7, 3))
+        places = index @ affine[:3, :3].T + affine[:3, 3]
+        assert field.position(index) == pytest.approx(places)
+        assert field.index(places) == pytest.approx(index)
+
+
+def test_directions_along_the_axes_of_space_change_nothing() -> None:
+    """A field with them is a straight one."""
+    field = Field.of(np.zeros((2, 2, 2)), 2, 5, directions=np.eye(3))
+    assert field.directions is None
+    assert field.straight() is field
+    assert field.handedness == 1

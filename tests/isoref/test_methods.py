@@ -2,7 +2,21 @@
 
 import numpy as np
 import pytest
-from isoref import METHODS, FieldError, extract
+from isoref import (
+    METHODS,
+    Field,
+    FieldError,
+    Mesh,
+    extract,
+    marching_faces,
+    marching_tetrahedra,
+    simplicial,
+    surface_nets,
+    vesta,
+)
+from isoref import dual as plain_dual
+from isoref import sweep as plain_sweep
+from isoref.fast import vesta as fast_vesta
 from isoref.methods import RULES
 
 
@@ -34,3 +48,68 @@ def test_rules_are_in_the_catalogue_under_their_names() -> None:
     """Each of them, carried by the sweep."""
     assert len(RULES) == 9
     assert set(RULES) <= set(METHODS)
+
+
+AFFINE = np.array([[0, 0.3, -2, 5], [1.5, 0.1, 0, -6], [0, 0.8, 0.4, 70], [0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_every_method_draws_where_the_field_stands(method: str, mirrored: bool) -> None:
+    """Vertices are those of the lattice, moved; right-hand normals point to low values still."""
+    values = np.random.default_rng(3).normal(size=(5, 6, 7))
+    affine = AFFINE @ np.diag([-1 if mirrored else 1, 1, 1, 1])
+    field = Field.of_affine(values, affine)
+    mesh, plain = METHODS[method](field, 0.1), METHODS[method](Field.of(values), 0.1)
+    assert np.allclose(mesh.vertices, plain.vertices @ affine[:3, :3].T + affine[:3, 3])
+    assert len(mesh.simplices) > 20
+    turned = plain.simplices if field.handedness > 0 else plain.simplices[:, [0, 2, 1]]
+    assert np.array_equal(mesh.simplices, turned)
+    same = extract(values, 0.1, field.spacing, field.origin, method, directions=field.directions)
+    assert np.array_equal(same.vertices, mesh.vertices)
+
+
+def test_plain_articles_draw_where_the_field_stands() -> None:
+    """As their twins do."""
+    field = Field.of_affine(np.random.default_rng(3).normal(size=(3, 4, 4)), AFFINE)
+    articles: list[tuple[Mesh, Mesh]] = [
+        (
+            plain_sweep.sweep(RULES["asymptotic-decider"], field, 0.1),
+            METHODS["asymptotic-decider"](field, 0.1),
+        ),
+        (plain_dual.surface(surface_nets.RULE, field, 0.1), METHODS["surface-nets"](field, 0.1)),
+        (
+            marching_tetrahedra.surface(marching_tetrahedra.KUHN, field, 0.1),
+            METHODS["marching-tetrahedra-kuhn"](field, 0.1),
+        ),
+        (vesta.vesta(field, 0.1), METHODS["vesta-mixed-L"](field, 0.1)),
+        (simplicial.extract(field, 0.1), METHODS["simplicial"](field, 0.1)),
+    ]
+    for plain, fast in articles:
+        a, b = plain.canonical(), fast.canonical()
+        assert np.allclose(a.vertices, b.vertices)
+        assert len(a.simplices) == len(b.simplices) > 10
+
+
+def test_a_curve_in_a_mirrored_field_runs_backwards() -> None:
+    """det(-g_1, .., -g_m, t_1, .., t_k) > 0 is asked in space."""
+    values = np.random.default_rng(1).normal(size=(5, 5))
+    turned = Field.of(values, directions=[[-1, 0], [0, 1]])
+    mirrored, plain = simplicial.extract(turned, 0.0), simplicial.extract(Field.of(values), 0.0)
+    assert np.array_equal(mirrored.vertices, plain.vertices * [-1, 1])
+    assert len(plain.simplices) > 5
+    assert np.array_equal(mirrored.simplices, plain.simplices[:, ::-1])
+
+
+def test_what_works_on_straight_lattices_alone_says_so() -> None:
+    """Nothing draws in a wrong place in silence."""
+    field = Field.of_affine(np.random.default_rng(3).normal(size=(4, 4, 4)), AFFINE)
+    for refuses in (
+        lambda: plain_sweep.sweep_with_cells(RULES["asymptotic-decider"], field, 0.1),
+        lambda: plain_dual.quads(surface_nets.RULE, field, 0.1),
+        lambda: vesta.extract(field, 0.1),
+        lambda: fast_vesta.extract(field, 0.1),
+        lambda: marching_faces.marching_faces(field, field, (0.1, 0.2)),
+    ):
+        with pytest.raises(FieldError, match="straight lattices alone"):
+            refuses()

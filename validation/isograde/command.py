@@ -49,6 +49,13 @@ class Format(StrEnum):
     BADGE = "badge"
 
 
+class Space(StrEnum):
+    """The two ways of counting positions in a patient."""
+
+    RAS = "RAS"
+    LPS = "LPS"
+
+
 GRADE_HELP = "python:module:function, exec:command, dir:path, or a ready-made name (list them)."
 Spec = Annotated[str, typer.Argument(metavar="IMPLEMENTATION", help=GRADE_HELP)]
 
@@ -201,17 +208,37 @@ def compare(
 
 @app.command()
 def extract(
-    volume: Annotated[str, typer.Argument(metavar="VOLUME", help="A file, or a known data set.")],
+    volume: Annotated[
+        str, typer.Argument(metavar="VOLUME", help="A file, a DICOM folder, or a known data set.")
+    ],
     isovalue: Annotated[float, typer.Option(help="Value of the surface.")],
     method: Annotated[str, typer.Option(help="A method of isoref.")] = "asymptotic-decider",
     out: Annotated[
-        Path, typer.Option("-o", "--out", help="ply, obj, off, stl, glb or npz.")
+        Path,
+        typer.Option("-o", "--out", help="ply obj off stl glb 3mf vtp vtk vtu msh npz, ..."),
     ] = Path("mesh.ply"),
+    space: Annotated[
+        Space | None, typer.Option(help="Write RAS or LPS; by default what the file is in.")
+    ] = None,
+    dataset: Annotated[
+        str | None,
+        typer.Option(help="The array to take: of HDF5, Zarr, npz, VTK, or a DICOM series."),
+    ] = None,
+    shape: Annotated[
+        str | None, typer.Option(metavar="NX,NY,NZ", help="Of a raw file, x fastest.")
+    ] = None,
+    dtype: Annotated[
+        str | None, typer.Option("--type", help="Of a raw file: uint8, >i2, float32, ...")
+    ] = None,
+    spacing: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="In place of the file's.")
+    ] = None,
 ) -> None:
-    """Extract an isosurface with the reference, and write it as a mesh file."""
+    """Extract an isosurface with the reference, where the volume stands, as a mesh file."""
     from isograde.commands import volumes
 
-    volumes.extract(volume, isovalue, method, out)
+    asked = volumes.asked(dataset, shape, dtype, spacing)
+    volumes.extract(volume, isovalue, method, out, asked, space.value if space else "")
 
 
 @app.command(name="prove")

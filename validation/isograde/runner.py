@@ -37,10 +37,10 @@ from isograde import variants
 from isograde.adapters import open_adapter
 from isograde.adapters.conventions import refusal
 from isograde.cases import all_cases, blocks
-from isograde.cases.volumes import VolumeError
 from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
 from isograde.declaration import Declaration
+from isograde.formats.reading import VolumeError
 from isograde.model import (
     BAD,
     JUDGE_FAULT,

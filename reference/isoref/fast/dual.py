@@ -20,10 +20,11 @@ import numpy as np
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.dual import ROUND, DualRule, in_triangles
 from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 
+@in_space
 def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
     """The rule's surface in triangles; see `isoref.dual.surface`."""
     return in_triangles(*quads(rule, field, isovalue))

@@ -19,13 +19,14 @@ from isoref.cube import CORNER_OFFSETS
 from isoref.fast.dual import cell_signs
 from isoref.field import Booleans, Field, Floats, Integers, check_isovalue, inside_samples
 from isoref.marching_tetrahedra import Split, section
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 _STEP = np.array([9, 3, 1])
 _MIDDLE = int(_STEP.sum())
 
 
+@in_space
 def surface(split: Split, field: Field, isovalue: float) -> Mesh:
     """The level set of the split's interpolant; see `isoref.marching_tetrahedra.surface`."""
     check_volume(field)

@@ -25,7 +25,7 @@ import numpy as np
 
 from isoref.field import Booleans, Field, FieldError, Floats, Integers, least_inside
 from isoref.kuhn import chains, corner_offsets, signs, strides
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.simplex_section import SectionTable, crossing, section_table
 from isoref.simplicial import (
     Complex,
@@ -53,6 +53,7 @@ PASS_BYTES = 5
 RUN, SHARE, LEAST_RUNS, MOST_RUNS = 16, 16, 16, 64
 
 
+@in_space
 def extract(
     field: Field,
     isovalue: Isovalue = 0.0,

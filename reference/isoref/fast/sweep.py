@@ -48,7 +48,7 @@ from numpy.typing import NDArray
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.cycles import Triangle
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
-from isoref.mesh import Mesh, Precision, number_types
+from isoref.mesh import Mesh, Precision, in_space, number_types
 from isoref.rule import Average, Rule, Tile
 from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
@@ -62,6 +62,7 @@ CHUNK_POINTS = 1 << 17
 PART_CELLS = 3 << 13
 
 
+@in_space
 def sweep(rule: Rule, field: Field, isovalue: float, precision: Precision = "double") -> Mesh:
     """The rule's surface; see `isoref.sweep.sweep`.
 

@@ -26,7 +26,7 @@ from isoref import vesta as article
 from isoref.diconex import Border, Mode, average_is_active, check_choice
 from isoref.fast.diconex import framed
 from isoref.field import Array, Booleans, Field, Floats, Integers
-from isoref.mesh import Mesh
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import crossing_parameter
 from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution
 
@@ -60,6 +60,7 @@ class Surface(article.Surface):
         return sums
 
 
+@in_space
 def vesta(
     values: ArrayLike | Field,
     isovalue: float,

@@ -1,4 +1,4 @@
-"""Real volumes, read by the libraries that know their formats.
+"""Real volumes, found on this machine and cut into cases.
 
 Measured data are what extractors meet: integers full of ties, noise, thin walls, surfaces that run
 into the border. One small MRI comes with nibabel and is always there; others are used where they
@@ -11,8 +11,8 @@ present   its file lies in the folder that the environment variable ISOGRADE_DAT
           download cache, or in an installed package
 crop      a block from the middle, small enough for the default run
 
-Axes are those of the array as its library gives it, except that raw and VTK files, which count x
-fastest, are (z, y, x). A checksum is stated only where the file was at hand to compute it; None
+Axes are those of the array as its library gives it: x first for NIfTI and NRRD, and (z, y, x) for
+raw, TIFF and VTK files. A checksum is stated only where the file was at hand to compute it; None
 means that nobody here has seen the bytes.
 """
 
@@ -21,24 +21,19 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from isoref.field import Field, FieldError
-from numpy.typing import NDArray
+from isoref.field import Field
 
+from isograde.formats import reading
+from isograde.formats.reading import Asked, Stored, VolumeError, library
 from isograde.model import Case
 
 OPEN_SCIVIS = "https://klacansky.com/open-scivis-datasets"
-
-
-class VolumeError(RuntimeError):
-    """A volume cannot be read; the message says why and what to do."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +114,7 @@ def fetch(volume: Volume) -> Path:
         return place
     if volume.url is None:
         raise VolumeError(f"{volume.name} has no direct address; get it from {volume.source}")
-    pooch = _library("pooch")
+    pooch = library("pooch", "data")
     known = f"sha256:{volume.sha256}" if volume.sha256 else None
     try:
         got = Path(pooch.retrieve(volume.url, known, fname=volume.file, path=cache_folder()))
@@ -157,123 +152,28 @@ def unverified(volume: Volume, path: Path) -> str:
 
 
 def read(path: Path, *, volume: Volume | None = None) -> Field:
-    """The scalar field in a file, by its ending: npy, npz, nrrd, nii, tif, vti, vtk, raw.
+    """The scalar field in a file (`isograde.formats.reading`), on a straight lattice.
 
-    An .npz holds `values` and, if it likes, `spacing` and `origin`. Of a series the first volume is
-    taken, of several arrays the first scalar one. A .raw needs a registered `volume`.
+    Papers and grades look at samples and their distances, and not at where a patient lay: axes are
+    those of the array, as its library gives it. A .raw needs a registered `volume`.
 
     Raises
     ------
     VolumeError
         for a missing file, an unknown ending, a missing library, or a file that is no volume.
     """
-    if not path.is_file():
-        raise VolumeError(f"{path} is not a file")
-    ending = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
-    reader = READERS.get(ending.lower())
-    if reader is None and not (ending == ".raw" and volume is not None):
-        raise VolumeError(f"{path.name} ends in none of {', '.join(sorted(READERS))}")
-    try:
-        field = reader(path) if reader is not None else _raw(path, volume)
-    except (OSError, ValueError, KeyError) as error:
-        raise VolumeError(f"{path} cannot be read: {error}") from error
+    field = stored(path, volume=volume).field.straight()
     if volume is not None and volume.spacing is not None:
         field = Field.of(field.values, volume.spacing)
     return field
 
 
-def _library(name: str) -> Any:
-    """The module of this name, or an error that names the extra to install."""
-    try:
-        return __import__(name)
-    except ImportError as error:
-        advice = 'pip install "isograde[data]"'
-        raise VolumeError(f"{name} is needed and does not load ({error}); {advice}") from error
-
-
-def _native(values: Any) -> NDArray[Any]:
-    """The samples in this machine's byte order."""
-    samples = np.asarray(values)
-    return samples.astype(samples.dtype.newbyteorder("="), copy=False)
-
-
-def _npy(path: Path) -> Field:
-    """A NumPy array."""
-    return Field.of(_native(np.load(path, allow_pickle=False)), dimension=3)
-
-
-def _npz(path: Path) -> Field:
-    """The arrays `values`, `spacing`, `origin` of a NumPy archive."""
-    with np.load(path, allow_pickle=False) as archive:
-        if "values" not in archive:
-            raise FieldError(f"it holds {sorted(archive)}, and no array named values")
-        return Field.of(archive["values"], archive.get("spacing"), archive.get("origin"))
-
-
-def _nrrd(path: Path) -> Field:
-    """An NRRD file; the spacing from its directions where it has them."""
-    nrrd = _library("nrrd")
-    try:
-        values, header = nrrd.read(str(path))
-    except nrrd.NRRDError as error:
-        raise FieldError(str(error)) from error
-    directions = header.get("space directions")
-    spacing = header.get("spacings")
-    if directions is not None:
-        spacing = np.linalg.norm(np.asarray(directions, float), axis=1)
-    return Field.of(_native(values), spacing)
-
-
-def _nifti(path: Path) -> Field:
-    """A NIfTI file, as stored (scaling applied only where the header scales)."""
-    nibabel = _library("nibabel")
-    try:
-        image: Any = nibabel.load(path)
-    except nibabel.filebasedimages.ImageFileError as error:
-        raise FieldError(str(error)) from error
-    slope, intercept = image.dataobj.slope, image.dataobj.inter
-    scaled = (slope, intercept) != (1.0, 0.0)
-    values = np.asarray(image.dataobj) if scaled else image.dataobj.get_unscaled()
-    first = values[(...,) + (0,) * (values.ndim - 3)] if values.ndim > 3 else values
-    return Field.of(_native(first), [float(zoom) for zoom in image.header.get_zooms()[:3]])
-
-
-def _tiff(path: Path) -> Field:
-    """A stack of TIFF pages."""
-    return Field.of(_native(_library("tifffile").imread(path)), dimension=3)
-
-
-def _vtk(path: Path) -> Field:
-    """The first scalar point array of a VTK image, axes (z, y, x)."""
-    grid: Any = _library("pyvista").read(path)
-    names = [name for name in grid.point_data if grid.point_data[name].ndim == 1]
-    if not names or not hasattr(grid, "spacing"):
-        raise FieldError("it holds no image with a scalar at each point")
-    values = np.asarray(grid.point_data[names[0]]).reshape(grid.dimensions[::-1])
-    return Field.of(values, grid.spacing[::-1])
-
-
-def _raw(path: Path, volume: Volume | None) -> Field:
-    """Bare samples, as the registered volume describes them."""
-    assert volume is not None
-    values = np.fromfile(path, np.dtype(volume.dtype))
-    if values.size != volume.samples:
-        raise FieldError(f"it holds {values.size} samples, {volume.shape} has {volume.samples}")
-    return Field.of(values.reshape(volume.shape))
-
-
-READERS: dict[str, Callable[[Path], Field]] = {
-    ".npy": _npy,
-    ".npz": _npz,
-    ".nrrd": _nrrd,
-    ".nhdr": _nrrd,
-    ".nii": _nifti,
-    ".nii.gz": _nifti,
-    ".tif": _tiff,
-    ".tiff": _tiff,
-    ".vti": _vtk,
-    ".vtk": _vtk,
-}
+def stored(path: Path, *, volume: Volume | None = None, asked: Asked | None = None) -> Stored:
+    """The field in a file where it stands; what the registry knows of it need not be asked."""
+    if volume is not None and path.suffix == ".raw":
+        nz, ny, nx = volume.shape
+        asked = replace(asked or Asked(), shape=(nx, ny, nz), dtype=volume.dtype)
+    return reading.read(path, asked)
 
 
 @lru_cache(maxsize=2)

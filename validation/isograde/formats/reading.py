@@ -1,0 +1,516 @@
+"""Volumes read from files, with their place and directions in space.
+
+A file of a scan says more than numbers: how far apart the samples are, where the first one stands,
+and along which direction of the patient, or of the microscope's stage, each axis of the array
+runs. All of it is one affine map, and it is kept as it stands: oblique, mirrored or sheared.
+
+Glossary
+--------
+space     what the three coordinates count. RAS: to the patient's right, to the front (anterior),
+          up to the head (superior), as NIfTI has it; LPS: left, posterior, superior, as DICOM and
+          ITK have it. Empty where the file says nothing
+dataset   the name of one array in a file of several: an HDF5 dataset, an array of a Zarr group or
+          of an .npz, a point array of a VTK image, a DICOM series
+
+Axes of the array are those that its library gives: x first from nibabel and pynrrd, x last from all
+others. Directions make up for it: positions are always (x, y, z).
+"""
+
+from __future__ import annotations
+
+import warnings
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from isoref.field import Field, FieldError, Floats
+from numpy.typing import NDArray
+
+#: What a library's spelling of a space is here; LAS is turned into RAS.
+SPACES = {
+    "left-posterior-superior": "LPS",
+    "right-anterior-superior": "RAS",
+    "left-anterior-superior": "LAS",
+    "lps": "LPS",
+    "ras": "RAS",
+    "las": "LAS",
+}
+# Axis a of an array that counts x last runs along this axis of space.
+LAST_IS_X = np.eye(3)[::-1]
+
+
+class VolumeError(RuntimeError):
+    """A volume cannot be read; the message says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a user says of a file beside its name.
+
+    dataset : the name of one array of several, or None
+    shape : of a raw file, (NX, NY, NZ) with x fastest
+    dtype : of a raw file, as NumPy spells it
+    spacing : in place of the file's, along x, y, z
+    """
+
+    dataset: str | None = None
+    shape: tuple[int, int, int] | None = None
+    dtype: str | None = None
+    spacing: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A scalar field as a file has it.
+
+    space : "RAS", "LPS", or "" where the file does not say
+    unit : of positions, or "" where the file does not say
+    notes : what a user should know of how it was read
+    """
+
+    field: Field
+    space: str = ""
+    unit: str = ""
+    notes: tuple[str, ...] = ()
+
+    def in_space(self, space: str) -> Stored:
+        """The same field with positions in the other of RAS and LPS: x and y are negated.
+
+        Raises
+        ------
+        VolumeError
+            where the file does not say which of them it is in.
+        """
+        if space == self.space:
+            return self
+        if not self.space:
+            raise VolumeError(f"the file names no coordinate system, so {space} cannot be made")
+        turned = _of_affine(self.field.values, np.diag([-1.0, -1, 1, 1]) @ self.field.affine)
+        return replace(self, field=turned, space=space)
+
+
+def read(path: Path, asked: Asked | None = None) -> Stored:
+    """The scalar field in a file, or in a folder of DICOM slices or of Zarr, by its ending.
+
+    Of several volumes in a row (time, echoes) the first is taken, and a note says so.
+
+    Raises
+    ------
+    VolumeError
+        for a missing file, an unknown ending, a missing library, a file that is no volume, or one
+        that holds several and nothing says which.
+    """
+    asked = asked or Asked()
+    reader = _reader_of(path)
+    try:
+        stored = reader(path, asked)
+    except VolumeError:
+        raise
+    except Exception as error:
+        raise VolumeError(f"{path} cannot be read: {_in_one_line(error)}") from error
+    if asked.spacing is not None:
+        stored = replace(stored, field=_respaced(stored.field, asked.spacing))
+    return stored
+
+
+def _reader_of(path: Path) -> Reader:
+    """What reads this file or folder."""
+    ending = ending_of(path)
+    if path.is_dir() and ending != ".zarr":
+        return _dicom_series
+    if not path.exists():
+        raise VolumeError(f"{path} is not a file")
+    if ending not in READERS:
+        raise VolumeError(
+            f"{path.name} ends in none of {', '.join(sorted(READERS))}, and is no folder of DICOM"
+        )
+    return READERS[ending]
+
+
+def ending_of(path: Path) -> str:
+    """The ending of a file's name in small letters, with what is before ``.gz``.
+
+    >>> ending_of(Path("scan.v2.nii.GZ")), ending_of(Path("a.b.vti"))
+    ('.nii.gz', '.vti')
+    """
+    suffixes = [suffix.lower() for suffix in path.suffixes]
+    return "".join(suffixes[-2:] if suffixes[-1:] == [".gz"] else suffixes[-1:])
+
+
+def library(name: str, extra: str = "volumes") -> Any:
+    """The module of this name, or an error that names the extra to install."""
+    try:
+        return __import__(name)
+    except ImportError as error:
+        advice = f'pip install "isograde[{extra}]"'
+        raise VolumeError(f"{name} is needed and does not load ({error}); {advice}") from error
+
+
+def _in_one_line(error: BaseException) -> str:
+    """What a library's exception says, without its lines of context."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return lines[-1] if lines else type(error).__name__
+
+
+def native(values: Any) -> NDArray[Any]:
+    """The samples in this machine's byte order."""
+    samples = np.asarray(values)
+    return samples.astype(samples.dtype.newbyteorder("="), copy=False)
+
+
+def _of_affine(values: Any, affine: Any) -> Field:
+    """The field of samples and their affine; what NumPy cannot read as numbers is refused."""
+    samples = native(values)
+    if samples.ndim != 3:
+        raise FieldError(f"an array of shape {samples.shape} is no volume, which has three axes")
+    return Field.of_affine(samples, affine)
+
+
+def _counting_x_last(values: Any, spacing: Sequence[float], origin: Sequence[float]) -> Field:
+    """The field of an array (z, y, x), with spacing and origin along x, y, z."""
+    samples = native(values)
+    return Field.of(samples, spacing[::-1], origin, directions=LAST_IS_X, dimension=3)
+
+
+def _respaced(field: Field, spacing: tuple[float, float, float]) -> Field:
+    """The field with other spacings along x, y, z, each given to the axis that runs along it."""
+    frame = np.eye(3) if field.directions is None else np.array(field.directions)
+    order = np.abs(frame).argmax(axis=1)
+    if sorted(order.tolist()) != [0, 1, 2]:
+        raise VolumeError("axes run askew, so that no spacing along x, y, z can be given to them")
+    steps = [spacing[axis] for axis in order]
+    return Field.of(field.values, steps, field.origin, directions=frame)
+
+
+def _one_of(names: Sequence[str], asked: str | None, what: str, option: str = "--dataset") -> str:
+    """The name that was asked for, or the only one there is."""
+    if asked is not None:
+        if asked not in names:
+            raise VolumeError(
+                f"there is no {what} {asked!r}; there are {', '.join(names) or 'none'}"
+            )
+        return asked
+    if len(names) != 1:
+        listed = ", ".join(names) or "none"
+        raise VolumeError(f"it takes one {what}, and there are {listed}; name one with {option}")
+    return names[0]
+
+
+def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ...]]:
+    """The first entry along these axes, and a note where that leaves something out."""
+    index: list[Any] = [slice(None)] * values.ndim
+    for axis in along:
+        index[axis] = 0
+    volumes = int(np.prod([values.shape[axis] for axis in along], dtype=np.int64))
+    notes = (f"the first of {volumes} volumes is taken",) if volumes > 1 else ()
+    return values[tuple(index)], notes
+
+
+# --- NumPy ---------------------------------------------------------------------------------------
+
+
+def _npy(path: Path, _: Asked) -> Stored:
+    """A NumPy array; its axes are x, y, z."""
+    return Stored(Field.of(native(np.load(path, allow_pickle=False)), dimension=3))
+
+
+def _npz(path: Path, asked: Asked) -> Stored:
+    """The array `values` of a NumPy archive, with `spacing`, `origin`, `directions` or `affine`."""
+    with np.load(path, allow_pickle=False) as archive:
+        name = asked.dataset or "values"
+        if name not in archive:
+            raise FieldError(f"it holds {sorted(archive)}, and no array named {name}")
+        if "affine" in archive:
+            return Stored(_of_affine(archive[name], archive["affine"]))
+        place = {key: archive.get(key) for key in ("spacing", "origin", "directions")}
+        return Stored(Field.of(native(archive[name]), **place, dimension=3))
+
+
+def _raw(path: Path, asked: Asked) -> Stored:
+    """Bare samples, x fastest, of a shape and type that the user says."""
+    if asked.shape is None or asked.dtype is None:
+        raise VolumeError(
+            f"{path.name} says neither its shape nor its type: "
+            "give both, as --shape 256,256,128 --type uint8 (x fastest)"
+        )
+    dtype = np.dtype(asked.dtype)
+    expected, found = int(np.prod(asked.shape)) * dtype.itemsize, path.stat().st_size
+    if expected != found:
+        shape = " x ".join(map(str, asked.shape))
+        raise FieldError(
+            f"it holds {found // dtype.itemsize} samples ({found:,} bytes), where {shape} of type "
+            f"{dtype} are {expected:,} bytes"
+        )
+    values = np.fromfile(path, dtype).reshape(asked.shape[::-1])
+    return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)))
+
+
+# --- Scans ---------------------------------------------------------------------------------------
+
+
+def _nifti(path: Path, _: Asked) -> Stored:
+    """A NIfTI or MGH file, as stored (scaling applied only where the header scales)."""
+    nibabel = library("nibabel")
+    image: Any = nibabel.load(path)
+    data = image.dataobj
+    scales = hasattr(data, "get_unscaled")
+    scaled = not scales or (data.slope, data.inter) != (1.0, 0.0)
+    values = np.asarray(data) if scaled else data.get_unscaled()
+    values, notes = _first_volume(values, range(3, values.ndim))
+    unit = (
+        str(image.header.get_xyzt_units()[0]) if hasattr(image.header, "get_xyzt_units") else "mm"
+    )
+    unit = "" if unit == "unknown" else unit
+
+    # Without a code the header gives steps and no place.
+    if "qform_code" in image.header and not (
+        int(image.header["qform_code"]) or int(image.header["sform_code"])
+    ):
+        zooms = [float(zoom) for zoom in image.header.get_zooms()[:3]]
+        return Stored(Field.of(native(values), zooms, dimension=3), "", unit, notes)
+    return Stored(_of_affine(values, image.affine), "RAS", unit, notes)
+
+
+def _nrrd(path: Path, _: Asked) -> Stored:
+    """An NRRD file: a direction for each axis that has one, else spacings."""
+    nrrd = library("nrrd")
+    values, header = nrrd.read(str(path))
+    rows, spacings = header.get("space directions"), header.get("spacings")
+    notes: tuple[str, ...] = ()
+    if rows is None:
+        if values.ndim > 3:
+            axes = [a for a in range(values.ndim) if spacings is None or not spacings[a] > 0]
+            values, notes = _first_volume(values, axes or range(3, values.ndim))
+            spacings = None if spacings is None else [s for s in spacings if s > 0]
+        return Stored(Field.of(native(values), spacings, dimension=3), notes=notes)
+
+    # Axes without a direction count components or volumes.
+    vectors = np.array([[np.nan] * 3 if row is None else row for row in rows], np.float64)
+    placed = np.isfinite(vectors).all(axis=1)
+    values, notes = _first_volume(values, np.flatnonzero(~placed).tolist())
+    affine = np.eye(4)
+    affine[:3, :3] = vectors[placed].T
+    affine[:3, 3] = header.get("space origin", np.zeros(3))
+    space = SPACES.get(str(header.get("space", "")).lower().removesuffix("-time"), "")
+    if space == "LAS":
+        affine, space = np.diag([-1.0, 1, 1, 1]) @ affine, "RAS"
+    unit = str((header.get("space units") or [""])[0])
+    return Stored(_of_affine(values, affine), space, unit, notes)
+
+
+def _itk(path: Path, _: Asked) -> Stored:
+    """What SimpleITK reads from one file."""
+    itk = library("SimpleITK")
+    return _from_itk(itk, itk.ReadImage(str(path)))
+
+
+def _from_itk(itk: Any, image: Any, affine: Floats | None = None) -> Stored:
+    """An image of SimpleITK; an affine in (x, y, z) where it is known better than by ITK."""
+    if image.GetNumberOfComponentsPerPixel() != 1:
+        count = image.GetNumberOfComponentsPerPixel()
+        raise FieldError(f"a voxel has {count} numbers, and an isosurface needs one")
+    n = image.GetDimension()
+    if n < 3:
+        raise FieldError(f"an image of {n} dimensions is no volume")
+    values, notes = _first_volume(itk.GetArrayFromImage(image), range(n - 3))
+    if affine is None:
+        affine = np.eye(4)
+        directions = np.array(image.GetDirection()).reshape(n, n)[:3, :3]
+        affine[:3, :3] = directions * np.array(image.GetSpacing())[:3]
+        affine[:3, 3] = image.GetOrigin()[:3]
+    return Stored(_of_affine(values, affine[:, [2, 1, 0, 3]]), "LPS", "mm", notes)
+
+
+def _dicom_series(folder: Path, asked: Asked) -> Stored:
+    """The slices of a DICOM series in a folder, each where its header puts it.
+
+    The step from slice to slice is taken from the slices' positions: a tilted gantry makes it
+    oblique to them, which an image of ITK cannot say.
+    """
+    itk = library("SimpleITK")
+    series = list(itk.ImageSeriesReader.GetGDCMSeriesIDs(str(folder)))
+    if not series:
+        raise VolumeError(f"{folder} is a folder in which there is no DICOM series")
+    chosen = _one_of(series, asked.dataset, "DICOM series")
+    reader = itk.ImageSeriesReader()
+    reader.SetFileNames(itk.ImageSeriesReader.GetGDCMSeriesFileNames(str(folder), chosen))
+    reader.MetaDataDictionaryArrayUpdateOn()
+    image = reader.Execute()
+    slices = image.GetSize()[2]
+    if slices < 2 or not all(reader.HasMetaDataKey(k, "0020|0032") for k in range(slices)):
+        return _from_itk(itk, image)
+
+    # Ask that slices stand at equal steps.
+    tags = [reader.GetMetaData(k, "0020|0032") for k in range(slices)]
+    places = np.array([[float(x) for x in tag.split("\\")] for tag in tags])
+    step = (places[-1] - places[0]) / (slices - 1)
+    gaps = np.linalg.norm(np.diff(places, axis=0) - step, axis=1)
+    if gaps.max() > 0.01 * np.linalg.norm(step):
+        k = int(gaps.argmax())
+        raise VolumeError(
+            f"slices {k} and {k + 1} of {folder} are not as far apart as the others: one is "
+            "missing, or the series holds several volumes"
+        )
+    affine = np.eye(4)
+    plane = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
+    affine[:3, :3] = np.column_stack([plane[:, :2], step])
+    affine[:3, 3] = places[0]
+    return _from_itk(itk, image, affine)
+
+
+def _vtk(path: Path, asked: Asked) -> Stored:
+    """A scalar point array of a VTK image."""
+    pyvista = library("pyvista")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        grid: Any = pyvista.read(path)
+    if not hasattr(grid, "direction_matrix"):
+        raise FieldError(f"it holds a {type(grid).__name__} and no image")
+    names = [name for name in grid.point_data if grid.point_data[name].ndim == 1]
+    if not names:
+        raise FieldError("it holds no image with a scalar at each point")
+    name = names[0] if asked.dataset is None else _one_of(names, asked.dataset, "point array")
+    values = np.asarray(grid.point_data[name]).reshape(grid.dimensions[::-1])
+    affine = np.eye(4)
+    affine[:3, :3] = np.asarray(grid.direction_matrix) * np.array(grid.spacing)
+    first = list(grid.extent[::2])
+    affine[:3, 3] = np.array(grid.origin) + affine[:3, :3] @ first
+    notes = (f"the first of {len(names)} arrays, {name}, is taken",) if len(names) > 1 else ()
+    return Stored(
+        _of_affine(values, affine[:, [2, 1, 0, 3]]), notes=notes if asked.dataset is None else ()
+    )
+
+
+# --- Microscopes ---------------------------------------------------------------------------------
+
+
+def _tiff(path: Path, _: Asked) -> Stored:
+    """A stack of TIFF pages, with the size of a voxel where ImageJ or OME wrote it."""
+    tifffile = library("tifffile")
+    with tifffile.TiffFile(path) as file:
+        series = file.series[0]
+        values, axes = series.asarray(), series.axes
+        spacing, unit = _size_of_voxel(file)
+    if values.ndim > 3:
+        others = [a for a, name in enumerate(axes) if name not in "ZYXQI"]
+        values, notes = _first_volume(values, others[: values.ndim - 3])
+    else:
+        notes = ()
+    return Stored(_counting_x_last(values, spacing, (0.0, 0.0, 0.0)), "", unit, notes)
+
+
+def _size_of_voxel(file: Any) -> tuple[list[float], str]:
+    """The size of a voxel along x, y, z, and its unit; 1 where the file does not say."""
+    if file.ome_metadata:
+        pixels = ET.fromstring(file.ome_metadata).find(".//{*}Pixels")
+        given: Mapping[str, str] = {} if pixels is None else pixels.attrib
+        sizes = [float(given.get(f"PhysicalSize{axis}", 1)) for axis in "XYZ"]
+        return sizes, given.get("PhysicalSizeXUnit", "µm" if "PhysicalSizeX" in given else "")
+    if file.imagej_metadata:
+        tags = file.pages[0].tags
+        sizes = []
+        for name in ("XResolution", "YResolution"):
+            count, length = tags[name].value if name in tags else (1, 1)
+            sizes.append(length / count if count else 1.0)
+        given = file.imagej_metadata
+        return [*sizes, float(given.get("spacing", 1.0))], str(given.get("unit", ""))
+    return [1.0, 1.0, 1.0], ""
+
+
+def _hdf5(path: Path, asked: Asked) -> Stored:
+    """A dataset of an HDF5 file, with ImageJ's and ilastik's `element_size_um` where it has it."""
+    h5py = library("h5py")
+    with h5py.File(path, "r") as file:
+        found: list[str] = []
+
+        def note(name: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and item.ndim >= 3:
+                found.append(name)
+
+        file.visititems(note)
+        name = _one_of(found, asked.dataset and asked.dataset.strip("/"), "dataset of three axes")
+        data = file[name]
+        values, notes = _first_volume(data, range(data.ndim - 3))
+        size = data.attrs.get("element_size_um")
+    if size is None:
+        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+    steps = [float(s) for s in np.ravel(size)][::-1]
+    return Stored(_counting_x_last(values, steps, (0.0, 0.0, 0.0)), "", "µm", notes)
+
+
+def _zarr(path: Path, asked: Asked) -> Stored:
+    """An array of Zarr, or a level of an OME-Zarr image with its scale and translation."""
+    zarr = library("zarr")
+    root = zarr.open(str(path), mode="r")
+    if not hasattr(root, "attrs") or hasattr(root, "shape"):
+        values, notes = _first_volume(root, range(root.ndim - 3))
+        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+    metadata = dict(root.attrs)
+    scales = metadata.get("ome", metadata).get("multiscales")
+    if not scales:
+        names = [name for name, array in root.arrays() if array.ndim >= 3]
+        name = _one_of(names, asked.dataset, "array of three axes")
+        values, notes = _first_volume(root[name], range(root[name].ndim - 3))
+        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+    return _ome(root, scales[0], asked)
+
+
+def _ome(root: Any, image: Mapping[str, Any], asked: Asked) -> Stored:
+    """A level of an OME-Zarr image, the finest unless another is named."""
+    levels = {str(level["path"]): level for level in image["datasets"]}
+    name = _one_of(list(levels), asked.dataset, "level") if asked.dataset else next(iter(levels))
+    data = root[name]
+    axes = [axis if isinstance(axis, Mapping) else {"name": axis} for axis in image["axes"]]
+    names = [str(axis["name"]).lower() for axis in axes]
+    spatial = [a for a, one in enumerate(names) if one in "xyz"]
+    if len(spatial) != 3:
+        raise FieldError(f"its axes are {', '.join(names)}, where x, y and z make a volume")
+
+    # Apply the level's transformations, then those of all levels.
+    scale, shift = np.ones(data.ndim), np.zeros(data.ndim)
+    for step in [
+        *levels[name].get("coordinateTransformations", ()),
+        *image.get("coordinateTransformations", ()),
+    ]:
+        if step["type"] not in ("scale", "translation", "identity"):
+            raise FieldError(f"its transformation {step['type']!r} is none of scale, translation")
+        if step["type"] == "scale":
+            scale, shift = scale * step["scale"], shift * step["scale"]
+        elif step["type"] == "translation":
+            shift = shift + step["translation"]
+    values, notes = _first_volume(data, [a for a in range(data.ndim) if a not in spatial])
+    affine = np.eye(4)
+    affine[:3] = 0.0
+    for a, axis in enumerate(spatial):
+        along = "xyz".index(names[axis])
+        affine[along, a], affine[along, 3] = scale[axis], shift[axis]
+    return Stored(_of_affine(values, affine), "", str(axes[spatial[0]].get("unit", "")), notes)
+
+
+Reader = Callable[[Path, Asked], Stored]
+
+READERS: dict[str, Reader] = {
+    ".npy": _npy,
+    ".npz": _npz,
+    ".raw": _raw,
+    ".nrrd": _nrrd,
+    ".nhdr": _nrrd,
+    ".nii": _nifti,
+    ".nii.gz": _nifti,
+    ".mgh": _nifti,
+    ".mgz": _nifti,
+    ".mha": _itk,
+    ".mhd": _itk,
+    ".gipl": _itk,
+    ".dcm": _itk,
+    ".tif": _tiff,
+    ".tiff": _tiff,
+    ".vti": _vtk,
+    ".vtk": _vtk,
+    ".h5": _hdf5,
+    ".hdf5": _hdf5,
+    ".zarr": _zarr,
+}
