@@ -38,7 +38,7 @@ CLAIMS: dict[str, Claim] = {
         claim("topology.closed", 1),
         claim("topology.sides", 1),
         claim("topology.manifold", 2),
-        claim("robustness.dtype", 2),
+        claim("symmetry.type", 2),
         claim("topology.bilinear", 3, promised=False),
         claim("topology.trilinear", 4, promised=False),
         claim("topology.ties", None),

@@ -72,7 +72,7 @@ def test_without_a_field_with_ties_nothing_is_said_of_ties() -> None:
 @pytest.mark.parametrize("nothing", ["skip", "unsupported", "not run"])
 @pytest.mark.parametrize(
     ("name", "reached"),
-    [("structure.answers", None), ("topology.sides", 0), ("robustness.dtype", 1)],
+    [("structure.answers", None), ("topology.sides", 0), ("symmetry.type", 1)],
 )
 def test_a_claim_without_one_pass_ends_the_level_below(
     name: str, reached: int | None, nothing: str
@@ -107,9 +107,9 @@ def test_a_level_with_a_claim_that_is_not_promised_is_not_reached(
 
 
 def test_what_is_not_promised_may_fail_without_cost_to_the_status() -> None:
-    rows = [body(), row("noise/a", robustness__dtype="fail")]
+    rows = [body(), row("noise/a", symmetry__type="fail")]
     assert status_of(made(rows)) is Exit.FAILS
-    assert status_of(made(rows, not_promised=["robustness.dtype"])) is Exit.HOLDS
+    assert status_of(made(rows, not_promised=["symmetry.type"])) is Exit.HOLDS
     assert status_of(made(rows, level=1)) is Exit.HOLDS
 
 
@@ -238,7 +238,7 @@ def test_the_headline_is_one_line_of_counts() -> None:
         body(),
         *(row(f"noise/{i}") for i in range(5)),
         row("noise/x", topology__manifold=("fail", {"facets": 2})),
-        row("noise/y", topology__manifold=("fail", {"facets": 2}), robustness__dtype="fail"),
+        row("noise/y", topology__manifold=("fail", {"facets": 2}), symmetry__type="fail"),
         row("ties/a", False, topology__ties="fail", topology__closed="fail"),
         row("ties/b", False, topology__ties="pass"),
         row("real/a", tags=["real"], topology__trilinear=("fail", cells)),
@@ -264,8 +264,8 @@ def test_a_name_of_several_lines_makes_no_headline_of_several() -> None:
     [
         ({"topology__manifold": ("fail", {"vertices": 1})}, "a vertex where sheets meet"),
         ({"topology__manifold": "crash"}, "a crash"),
-        ({"robustness__dtype": "timeout"}, "no answer in time"),
-        ({"robustness__dtype": "fail"}, "another answer in another number type"),
+        ({"symmetry__type": "timeout"}, "no answer in time"),
+        ({"symmetry__type": "fail"}, "another answer in another number type"),
     ],
 )
 def test_the_fault_of_most_fields_is_said_in_words(said: dict[str, Any], words: str) -> None:

@@ -42,7 +42,8 @@ def perfect(trial: Trial) -> Finding:
     mesh = outcome.mesh_of(trial.kind)
     if mesh is None:
         verdict = VERDICT_OF.get(outcome.status, Verdict.FAIL)
-        return Finding(verdict, f"{VARIANT}: {outcome.detail}", {"variant": VARIANT})
+        told = outcome.detail or "what came is no mesh of this kind"
+        return Finding(verdict, f"{VARIANT}: {told}", {"variant": VARIANT})
     return _judged(placed(trial, mesh))
 
 

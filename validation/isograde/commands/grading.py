@@ -18,6 +18,7 @@ from isograde.commands.console import Exit, console, errors, say, status_of, sto
 from isograde.grading import grade, unfinished
 from isograde.model import BAD, AdapterError
 from isograde.report import comparison, reading, record, words
+from isograde.report.findings import causes
 from isograde.report.headline import choices, headline
 from isograde.runner import NothingToRun, Options
 
@@ -144,11 +145,12 @@ def _tell(result: reading.Report) -> None:
         colour = colours.get(rung.state, "dim")
         table.add_row(str(rung.level), rung.name, f"[{colour}]{escape(words.rung(rung))}[/]")
     console.print(table)
-    for summary in result.failures:
-        failure = summary.failure
+    for cause in causes(result):
+        failure = cause.root.failure
         assert failure is not None
-        colour = "red" if summary.promised else "dim"
+        colour = "red" if cause.held else "dim"
         say(
-            f"[{colour}]{escape(summary.id)}[/]: {words.evidence(summary)}, smallest "
-            f"{escape(failure.case)} ({failure.samples} samples): {escape(failure.detail)}"
+            f"[{colour}]{escape(cause.root.id)}[/]: {escape(cause.said)} "
+            f"({escape(words.where(cause))}); smallest {escape(failure.case)}, "
+            f"{failure.samples} samples"
         )

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from isograde.model import BAD
 from isograde.report import words
-from isograde.report.headline import by_level, by_topology, headline
+from isograde.report.findings import by_choice
+from isograde.report.headline import by_level, by_topology, standing, titled
 from isograde.report.lines import JSON
 from isograde.report.markdown import MARK, plain
 from isograde.report.page import environment
@@ -83,6 +84,8 @@ def mark(report: Report, claim: str) -> tuple[str, str]:
     summary = report.summaries.get(claim)
     if summary is None or not summary.asked:
         return "no evidence", ""
+    if claim in by_choice(report):
+        return "choice", "by choice"
     if summary.state == "fail":
         return "fail", f"{summary.bad:,} of {summary.evidence:,}"
     if summary.state == "choice":
@@ -110,13 +113,31 @@ def markdown_table(reports: Sequence[Report]) -> str:
 
 def _headlines(title: str, reports: Sequence[Report]) -> str:
     """The headlines in one of the orders."""
-    lines = [f"{i}. {plain(headline(one))}" for i, one in enumerate(_sorted(title, reports), 1)]
+    lines = [
+        f"{place}. {plain(_and([titled(one) for one in group]))} - {plain(said)}"
+        for place, said, group in ranked(title, reports)
+    ]
     return "\n".join([f"### {title.capitalize()}", "", *lines])
 
 
-def _sorted(title: str, reports: Sequence[Report]) -> list[Report]:
-    """The reports in the order of this name."""
-    return sorted(reports, key=ORDERS[title])
+def ranked(title: str, reports: Sequence[Report]) -> list[tuple[int, str, list[Report]]]:
+    """Place, headline without the name, and the reports of which it is said, in this order.
+
+    What is said of several that stand together is said once.
+    """
+    rows: list[tuple[int, str, list[Report]]] = []
+    for place, report in enumerate(sorted(reports, key=ORDERS[title]), 1):
+        said = standing(report)
+        if rows and rows[-1][1] == said:
+            rows[-1][2].append(report)
+        else:
+            rows.append((place, said, [report]))
+    return rows
+
+
+def _and(names: Sequence[str]) -> str:
+    """Names with "and" between the last two."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def _rows(reports: Sequence[Report]) -> str:
@@ -144,7 +165,7 @@ def comparison_page(
     link_of = {id(report): link for report, link in zip(reports, links, strict=True)}
     tables = {
         name: {
-            "orders": {title: _sorted(title, group) for title in ORDERS},
+            "orders": {title: ranked(title, group) for title in ORDERS},
             "reports": [(one, link_of[id(one)]) for one in group],
             "claims": claims_of(group),
         }
@@ -157,7 +178,7 @@ def comparison_page(
             count=len(reports),
             tables=tables,
             mark=mark,
-            headline=headline,
+            titled=titled,
             link_of=lambda report: link_of[id(report)],
             absent=absent or {},
         )

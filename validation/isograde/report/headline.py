@@ -19,6 +19,7 @@ from collections import Counter
 from collections.abc import Sequence
 from math import inf
 
+from isograde.causes import roots
 from isograde.model import BAD, LEVELS, Kind, Verdict
 from isograde.report.reading import Report, Rung, Summary, findings_of, results_tagged
 
@@ -47,9 +48,9 @@ FAULTS = {
     "cells.count": "a cell with too many or too few pieces",
     "robustness.deterministic": "another answer when asked twice",
     "robustness.input_unmodified": "samples changed",
-    "robustness.dtype": "another answer in another number type",
-    "robustness.layout": "another answer in another memory layout",
-    "robustness.spacing": "another answer at another spacing",
+    "symmetry.type": "another answer in another number type",
+    "symmetry.layout": "another answer in another memory layout",
+    "symmetry.spacing": "another answer at another spacing",
     "symmetry.translation": "another answer after a translation",
     "symmetry.scaling": "another answer to scaled values",
     "symmetry.shift": "another answer to shifted values",
@@ -78,8 +79,12 @@ BILINEAR = "topology.bilinear"
 
 def headline(report: Report) -> str:
     """The line: name, level, what is short of the next, ties, scans, what was not judged."""
-    title = " ".join(f"{report.name} {report.declaration['version']}".split())
-    return f"{title} - {standing(report)}"
+    return f"{titled(report)} - {standing(report)}"
+
+
+def titled(report: Report) -> str:
+    """Name and version, on one line."""
+    return " ".join(f"{report.name} {report.declaration['version']}".split())
 
 
 def standing(report: Report) -> str:
@@ -116,11 +121,21 @@ def _interpolant(word: object) -> str:
     return "tetrahedra" if isinstance(word, dict) else str(word)
 
 
+# The level at which an extractor that decides ambiguous faces in its own way stops, by choice.
+LEVEL_OF_CHOICE = 3
+
+
 def short(report: Report) -> str:
-    """How many fields in general position are short of the next rung, and by which fault."""
+    """How many fields in general position are short of the next rung, and by which fault.
+
+    Where faces are always decided in one way, the choice is said instead: no count of what it
+    brings reads like a fault.
+    """
     rung = report.next_rung
     if rung is None:
         return ""
+    if rung.level == LEVEL_OF_CHOICE and (by := chosen(report)):
+        return by[0]
     if rung.state == "fail":
         failed, _, fields = report.short_of(rung.level)
         noun = "field" if fields == 1 else "fields"
@@ -157,12 +172,14 @@ def fault(report: Report, rung: Rung) -> str:
         if not result["general"]:
             continue
         kind = Kind(*report.cases[result["case"]]["kind"])
-        said = {
-            _fault(name, kind, finding or {})
+        bad = {
+            name: finding or {}
             for name, verdict, finding in findings_of(result)
             if name in names and verdict in BAD
         }
-        found.update(sorted(said))
+        # Of one cause, say the root.
+        of = roots({name: finding.get("numbers", {}) for name, finding in bad.items()})
+        found.update(sorted({_fault(name, kind, bad[name]) for name in of.values()}))
     return found.most_common(1)[0][0]
 
 
@@ -251,10 +268,15 @@ def _topology(report: Report) -> tuple[float, float]:
 
 def choices(report: Report) -> list[str]:
     """How ambiguous faces are decided, where it is always in one way."""
-    said = [told for name, told in CHOSEN.items() if _always(report.summaries.get(name))]
+    said = chosen(report)
     if not said and _always(report.summaries.get(BILINEAR)):
         said = ["decides every ambiguous face as the bilinear interpolant does"]
     return said
+
+
+def chosen(report: Report) -> list[str]:
+    """The choices that are made on every case, whatever the samples are."""
+    return [told for name, told in CHOSEN.items() if _always(report.summaries.get(name))]
 
 
 def _always(summary: Summary | None) -> bool:

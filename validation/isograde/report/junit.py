@@ -8,6 +8,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 from isograde.report import words
+from isograde.report.findings import causes
 from isograde.report.headline import headline
 from isograde.report.reading import CONVENTIONS, Report, Summary
 
@@ -25,8 +26,15 @@ def junit(report: Report) -> str:
     suite = ET.SubElement(root, "testsuite", {"name": _plain(headline(report)), **counts})
     if report.footer is None:
         ET.SubElement(root, "testsuite", {"name": "the report was cut off", "errors": "1"})
+    because = {
+        one.summary.id: cause for cause in causes(report) for one in cause.follows if one.wholly
+    }
+    said = {cause.root.id: cause.said for cause in causes(report)}
     for summary in summaries:
-        _add(suite, report, summary)
+        told = said.get(summary.id, "")
+        if cause := because.get(summary.id):
+            told = f"follows from {cause.root.id}: {cause.said}"
+        _add(suite, report, summary, told)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "unicode") + "\n"
 
@@ -36,19 +44,20 @@ def _fails(summary: Summary) -> bool:
     return summary.state == "fail" and summary.promised and summary.id not in CONVENTIONS
 
 
-def _add(suite: ET.Element, report: Report, summary: Summary) -> None:
-    """The suite has one more test."""
+def _add(suite: ET.Element, report: Report, summary: Summary, why: str) -> None:
+    """The suite has one more test; `why` is what its failure comes from."""
     names = {"classname": _plain(f"{report.name}.{summary.family}"), "name": summary.id}
     test = ET.SubElement(suite, "testcase", names)
     if _fails(summary):
         failure = summary.failure
         assert failure is not None
-        told = ET.SubElement(test, "failure", {"message": _plain(failure.detail)})
+        told = ET.SubElement(test, "failure", {"message": _plain(why)})
         told.text = _plain(
             "\n".join(
                 [
                     str(summary.claim["rule"]),
                     words.counted(summary),
+                    failure.detail,
                     f"smallest case: {failure.case}, {failure.samples} samples",
                     words.reproduce(report, summary),
                 ]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from isograde.report import words
+from isograde.report.findings import Cause, causes
 from isograde.report.headline import choices, headline
-from isograde.report.reading import Report, Rung, Summary
+from isograde.report.reading import Report, Rung
 
 MARK = {
     "pass": "✅",
@@ -21,9 +22,10 @@ def markdown(report: Report) -> str:
     title = plain(f"{report.name} {report.declaration['version']}".rstrip())
     said = " ".join(filter(None, [words.verdict(report), words.right(report), *_choices(report)]))
     parts = [f"# {title}", f"**{plain(headline(report))}**", plain(said), _ladder(report)]
-    if report.failures:
+    found = causes(report)
+    if found:
         parts.append("## What failed")
-        parts += [_failure(report, summary) for summary in report.failures]
+        parts += [_cause(report, cause) for cause in found]
     if report.measured:
         parts.append(_measured(report))
     parts.append(_all_claims(report))
@@ -66,18 +68,21 @@ def _rung(rung: Rung) -> str:
     return f"| {rung.level} | {name} | {rung.promise} | {words.rung(rung)} |"
 
 
-def _failure(report: Report, summary: Summary) -> str:
-    """One failed claim with its smallest case."""
-    failure = summary.failure
+def _cause(report: Report, cause: Cause) -> str:
+    """One finding: the diagnosis, its claim with the smallest case, and what follows."""
+    summary, failure = cause.root, cause.root.failure
     assert failure is not None
-    where = words.split(summary)
-    return (
-        f"### `{summary.id}`\n\n"
-        f"{summary.claim['rule']}\n\n"
-        f"{words.evidence(summary)}{f' ({where})' if where else ''}. Smallest: "
+    said = f"{cause.said[:1].upper()}{cause.said[1:]}"
+    text = (
+        f"### {plain(said)}\n\n"
+        f"`{summary.id}`: {summary.claim['rule']}\n\n"
+        f"{words.evidence(summary)}; {words.where(cause)}. Smallest: "
         f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}.\n\n"
         f"```sh\n{' '.join(words.reproduce(report, summary).split())}\n```"
     )
+    whole = [one.summary for one in cause.follows if one.wholly]
+    rows = [f"- `{one.id}` {words.evidence(one)}" for one in whole]
+    return "\n\n".join([text, *(["What follows from it:\n\n" + "\n".join(rows)] if rows else [])])
 
 
 def _measured(report: Report) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -9,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from isograde.model import LEVELS
 from isograde.report import words
+from isograde.report.findings import Cause, causes, rights
 from isograde.report.headline import choices, headline, standing
 from isograde.report.lines import JSON
 from isograde.report.picture import SHOWN_BEYOND, picture
@@ -28,6 +30,9 @@ FAMILIES = {
     "robustness": "Types, layouts, and input that is no field",
     "accuracy": "How near to a known body, and how fast it gets nearer",
 }
+
+# Tell so many findings on the first screen, where there are as many, and no more.
+FEW, MANY = 3, 6
 
 _SIDES = (("in", "inside"), ("out", "outside"))
 _OPEN = (("gap", "facet of one simplex"), ("rim", "on the border"))
@@ -58,7 +63,7 @@ def environment() -> Environment:
 
 def page(report: Report) -> str:
     """The report as HTML."""
-    failures = [_shown(report, summary) for summary in report.failures]
+    found = causes(report)
     return (
         environment()
         .get_template("report.html")
@@ -67,13 +72,22 @@ def page(report: Report) -> str:
             headline=headline(report),
             standing=standing(report),
             choices=choices(report),
-            failures=failures,
+            rights=rights(report),
+            causes=found,
+            first=_first(found),
+            shown={s.id: _shown(report, s) for s in report.failures},
             groups=_groups(report),
             cases=_families_of_cases(report),
             conventions=CONVENTIONS,
             does=done_for(report.spec),
         )
     )
+
+
+def _first(found: Sequence[Cause]) -> Sequence[Cause]:
+    """The findings of the first screen: what is held, a few at least, and not too many."""
+    held = sum(cause.held for cause in found)
+    return found[: min(max(held, FEW), MANY)]
 
 
 def done_for(spec: str) -> tuple[str, ...]:

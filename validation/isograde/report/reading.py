@@ -201,6 +201,8 @@ class Report:
     results: list[JSON] = fresh(default_factory=list)
     evidence: dict[str, JSON] = fresh(default_factory=dict)
     footer: JSON | None = None
+    # What one page made of the report and another may need again, such as its causes.
+    memory: dict[str, Any] = fresh(default_factory=dict)
 
     @property
     def declaration(self) -> JSON:

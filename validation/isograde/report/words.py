@@ -7,6 +7,7 @@ from shlex import quote
 from typing import Any
 
 from isograde.model import EVIDENCE, LEVELS, Kind, Verdict
+from isograde.report.findings import Cause, Follower, causes, rights
 from isograde.report.headline import listed, missing, not_promised
 from isograde.report.reading import Report, Rung, Summary, bad_in
 
@@ -48,7 +49,9 @@ def verdict(report: Report) -> str:
     promise = f"It promises level {min(level, report.top)} ({LEVELS[min(level, report.top)][0]})."
     n = len(report.broken)
     if n:
-        said = f"{n} of its promises {'is' if n == 1 else 'are'} broken."
+        held = sum(cause.held for cause in causes(report))
+        why = f", by {held} {'cause' if held == 1 else 'causes'}" if n > 1 else ""
+        said = f"{n} of its promises {'is' if n == 1 else 'are'} broken{why}."
     elif not report.has_evidence:
         said = "No promise was put to the test: nothing that was judged could have failed."
     else:
@@ -59,13 +62,40 @@ def verdict(report: Report) -> str:
 
 
 def right(report: Report) -> str:
-    """The families whose claims of the ladder hold on every case tried; or nothing."""
-    whole: dict[str, bool] = {}
-    for summary in report.summaries.values():
-        if summary.level is not None and summary.evidence:
-            whole[summary.family] = whole.get(summary.family, True) and not summary.bad
-    names = [name for name, holds in whole.items() if holds]
-    return f"Of the ladder, right on every case tried: {', '.join(names)}." if names else ""
+    """What is right on every case tried, in a sentence; or nothing."""
+    said = rights(report)
+    return f"Right on every case tried: {', '.join(said)}." if said else ""
+
+
+def where(cause: Cause) -> str:
+    """On how many cases a cause is at work, and what else fails for it.
+
+    A choice, and what is not promised, is not counted like a fault.
+    """
+    said = []
+    if cause.choice:
+        said.append("by choice")
+    elif not cause.held:
+        said.append("not promised")
+    general, tied = cause.general, cause.tied
+    if general:
+        said.append(
+            f"{general:,} {_fields(general)}" + (f" and {tied:,} with ties" if tied else "")
+        )
+    else:
+        said.append(f"{tied:,} {_fields(tied)} with ties")
+    whole = [one.summary.id for one in cause.follows if one.wholly]
+    return ", ".join(said) + (f"; so fails {listed(whole, 3)}" if whole else "")
+
+
+def _fields(count: int) -> str:
+    """The noun of a count of cases."""
+    return "field" if count == 1 else "fields"
+
+
+def partly(follower: Follower) -> str:
+    """On how many of its cases a claim fails for another cause."""
+    return f"{follower.cases:,} of the {follower.summary.bad:,} cases of {follower.summary.id}"
 
 
 def counted(summary: Summary) -> str:

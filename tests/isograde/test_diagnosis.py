@@ -1,0 +1,218 @@
+"""The sentence that an author needs, from extractors that are broken in a known way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from isograde.cases import all_cases
+from isograde.declaration import declaration_from
+from isograde.model import Case
+from isograde.report.diagnosis import cells_round, diagnosis, right_cells, wrong_by_case
+from isograde.report.findings import causes
+from isograde.report.misplaced import crossings, misplacement
+from isograde.report.reading import Report
+from isoref.field import Field
+
+from tests.isograde import miniatures as mini
+from tests.isograde.judging import Here
+from tests.isograde.reporting import graded
+from tests.isograde.test_flat import BOTH, by
+
+Change = Callable[[Any, Any], Any]
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No reference is started to draw a legal answer beside."""
+    monkeypatch.setattr("isograde.grading.contrast", lambda *_: {})
+
+
+def cases(*names: str) -> list[Case]:
+    """These cases of the catalogue."""
+    every = all_cases(0)
+    return [every[name] for name in names]
+
+
+def told(function: Callable[..., Any], claim: str, *names: str, **says: Any) -> str:
+    """The diagnosis of one claim on these cases."""
+    report = made(function, *names, only=claim, **says)
+    return diagnosis(report, report.summaries[claim])
+
+
+def made(function: Callable[..., Any], *names: str, only: str = "", **says: Any) -> Report:
+    """The report of a function in this process."""
+    declared = declaration_from({"level": 2, **says}, "it")
+    return graded(Here(function, declared), "python:it:it", cases(*names), only)
+
+
+def test_flat_triangles_are_told_of_the_cells_that_drew_them() -> None:
+    """Issue 12: 4 triangles lie flat in the face between cells a and b, two of each."""
+
+    def both(values: Any, isovalue: float, spacing: Any) -> Any:
+        mesh = by(BOTH)(Field.of(values, spacing), isovalue)
+        return mesh.vertices, mesh.simplices
+
+    said = told(both, "topology.manifold", "noise/white-5x6x7")
+    assert "triangles lie flat in the face between the cells [" in said
+    assert said.endswith(", two of each, and share an edge")
+
+
+def test_two_cells_that_disagree_on_a_face_are_told() -> None:
+    """Nielson & Hamann 1991, Figure 3."""
+    said = told(mini.made(decide=mini.by_cell), "topology.closed", "pairs/0217")
+    assert said == (
+        "the cells [0, 0, 0] and [1, 0, 0] disagree on the face between them: [0, 0, 0] joins its "
+        "inside corners; [1, 0, 0] separates its inside corners"
+    )
+
+
+def missing_one(vertices: Any, faces: Any) -> Any:
+    """The triangle strictly inside a cell of the middle is left out."""
+    middle = vertices[faces].mean(axis=1)
+    away = np.abs(middle - np.array([1.5, 1.5, 1.5])).max(axis=1)
+    return vertices, np.delete(faces, away.argmin(), axis=0)
+
+
+def test_a_missing_triangle_is_told_with_its_cell() -> None:
+    said = told(mini.changed(missing_one), "topology.closed", "noise/white-5x6x7")
+    assert said.startswith(("the triangle [", "an edge in the cell ["))
+    assert " missing" in said
+
+
+def test_a_triangle_that_is_turned_over_is_told() -> None:
+    said = told(mini.changed(mini.with_flipped_face), "topology.oriented", "noise/white-5x6x7")
+    assert said.startswith("triangle 0, in the cell [")
+    assert said.endswith(" is turned over")
+
+
+def test_normals_that_point_the_other_way_everywhere_are_told_with_the_word_to_declare() -> None:
+    said = told(mini.changed(mini.turned_over), "topology.sides", "noise/white-5x6x7")
+    assert said == (
+        'all normals point the other way: turn every triangle over, or declare "normals": "to_high"'
+    )
+
+
+def test_a_soup_that_does_not_say_so_is_told() -> None:
+    said = told(mini.changed(mini.soup), "topology.closed", "noise/white-5x6x7")
+    assert said == (
+        "no two triangles share a vertex: it is closed once equal vertices are one; share them, "
+        'or declare "mesh": {"soup": 0}'
+    )
+
+
+def with_a_wrong_entry(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Cells with two opposite corners of a face inside and no other lose a triangle."""
+    vertices, faces = mini.plain(values, isovalue, (1.0, 1.0, 1.0))
+    inside = values >= isovalue
+    cell = np.floor(vertices[faces].mean(axis=1)).astype(int)
+    seen, keep = set(), []
+    for a, b, c in cell.tolist():
+        corners = inside[a : a + 2, b : b + 2, c : c + 2].ravel().tolist()
+        wrong = corners == [True, True, False, False, False, False, False, False]
+        keep.append(not wrong or (a, b, c) in seen)
+        seen.add((a, b, c))
+    return vertices * spacing, faces[keep]
+
+
+def test_one_wrong_entry_of_a_table_is_told_by_its_corners() -> None:
+    said = told(
+        with_a_wrong_entry, "cells.legal", "cells/outside/003", "noise/white-5x6x7",
+        "noise/white-8x9x10",
+    )  # fmt: skip
+    assert "one entry of the table is wrong: whenever the corners 000 and 001 alone" in said
+
+
+# What a mistake in placing does to index coordinates, and how it is told.
+PLACED: dict[str, tuple[Change, str]] = {
+    "scale": (lambda v, n: v * n / (n - 1), "scaled by n/(n-1), n the number of samples"),
+    "shrink": (lambda v, n: v * (n - 1) / n, "scaled by (n-1)/n"),
+    "unit": (lambda v, n: v / (n - 1), "drawn in the unit cube"),
+    "ends": (lambda v, n: 2 * v / (n - 1) - 1, "drawn in a cube from -1 to 1"),
+    "half": (lambda v, _: v + 0.5, "shifted by half a cell along every axis"),
+    "back": (lambda v, _: v - 0.5, "shifted by half a cell against every axis"),
+    "padded": (lambda v, _: v + 1, "shifted by a whole cell along"),
+    "centred": (lambda v, n: v - (n - 1) / 2, "centred at 0"),
+    "axes": (lambda v, _: v[:, ::-1], "given in reversed order of the axes"),
+    "both": (lambda v, n: (v * n / (n - 1))[:, ::-1], "and in reversed order of the axes"),
+}
+
+
+@pytest.mark.parametrize("name", PLACED)
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (0.5, 0.7, 1.3)])
+def test_a_map_of_all_vertices_is_told(name: str, spacing: tuple[float, ...]) -> None:
+    """Issue 12: vertices scaled by n/(n-1)."""
+    values = np.random.default_rng(2).standard_normal((4, 5, 6))
+    vertices, _ = mini.plain(values, 0.0, (1.0, 1.0, 1.0))
+    move, word = PLACED[name]
+    moved = np.asarray(move(vertices, np.array(values.shape, float)))
+    assert word in misplacement(moved, values, 0.0, np.array(spacing))
+    assert misplacement(vertices, values, 0.0, np.array(spacing)) == ""
+
+
+@pytest.mark.parametrize(
+    ("share", "word"),
+    [
+        (lambda t: 1 - t, "at 1 - t of their edges"),
+        (lambda t: np.full(len(t), 0.5), "halfway along their edges"),
+        (np.round, "vertices stand on samples"),
+        (lambda t: t**2, "at a wrong share of the way"),
+    ],
+)
+def test_a_wrong_interpolation_is_told(share: Any, word: str) -> None:
+    values = np.random.default_rng(2).standard_normal((4, 5, 6))
+    low, high, right = crossings(values, 0.0)
+    vertices = np.asarray(low + share(right)[:, None] * (high - low), float)
+    assert word in misplacement(vertices, values, 0.0, np.ones(3))
+
+
+def test_a_vertex_that_is_astray_alone_is_no_map() -> None:
+    values = np.random.default_rng(2).standard_normal((4, 5, 6))
+    low, high, right = crossings(values, 0.0)
+    vertices = np.asarray(low + right[:, None] * (high - low), float)
+    vertices[3] += 0.01
+    assert misplacement(vertices, values, 0.0, np.ones(3)) == ""
+
+
+def test_a_scale_is_one_finding_whatever_it_breaks() -> None:
+    """One cause: vertices, crossings, sides, holes at the border, bodies."""
+
+    def scaled(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mini.plain(values, isovalue, spacing)
+        n = np.array(values.shape, float)
+        return vertices * n / (n - 1), faces
+
+    report = made(scaled, "noise/white-5x6x7", "cells/outside/003")
+    held = [one for one in causes(report) if one.held]
+    assert len(report.broken) > 3
+    assert [one.root.id for one in held] == ["geometry.vertices"]
+    assert held[0].said == "vertices are scaled by n/(n-1), n the number of samples of each axis"
+
+
+def test_the_faults_inside_cells_are_counted_by_case() -> None:
+    """Issue 12: false tunnel in 16 of 32 cells of case 4.1."""
+    names = [name for name in all_cases(0) if name.startswith("trilinear/each/")]
+    report = made(mini.made(decide=mini.asymptotic), *names, only="topology.trilinear", level=4)
+    judged, wrong = wrong_by_case(report)
+    assert {fault for _, fault in wrong} == {"missing tunnel"}
+    assert len(judged) == 31
+    said = diagnosis(report, report.summaries["topology.trilinear"])
+    assert said.startswith(f"missing tunnel in {judged['10.1.2']} of {judged['10.1.2']} cells of")
+    assert right_cells(report).startswith("all cells of 25 of the 31 cases (1, 2, 3.1, 3.2, ")
+
+
+def test_the_cells_round_a_place_are_those_that_hold_it() -> None:
+    assert cells_round(np.array([[1.0, 0.5, 0.5]]), (3, 2, 2)) == [[0, 0, 0], [1, 0, 0]]
+    assert cells_round(np.array([[0.0, 0.5, 0.5], [1.0, 0.2, 0.5]]), (3, 2, 2)) == [[0, 0, 0]]
+    assert cells_round(np.array([[0.5, 0.5], [1.5, 0.5]]), (3, 2)) == []
+
+
+def test_a_claim_without_more_to_say_is_told_in_the_words_of_its_judge() -> None:
+    field = Field.of(np.ones((2, 2, 2)))
+    case = Case("a/b", lambda: field, (0.5,), 8)
+    declared = declaration_from({}, "it")
+    report = graded(Here(lambda *_: 1 / 0, declared), "python:it:it", [case], "structure.answers")
+    said = diagnosis(report, report.summaries["structure.answers"])
+    assert said == "1 calls: error: division by zero"
