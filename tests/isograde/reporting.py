@@ -11,6 +11,7 @@ from isograde.cases import Catalogue
 from isograde.declaration import Declaration, declaration_from
 from isograde.grading import Writer
 from isograde.model import SURFACES, Adapter, Case, Claim, Finding, Kind, Trial, Verdict
+from isograde.oracles.bodies import KINDS
 from isograde.report import record
 from isograde.report.lines import schema
 from isograde.report.reading import Report, gather
@@ -34,7 +35,13 @@ CLAIMS: dict[str, Claim] = {
     one.id: one
     for one in (
         claim("structure.answers", 0, needs_mesh=False),
-        claim("bodies.pieces", 0, firm=True, tags=frozenset({"bodies"})),
+        claim(
+            "bodies.pieces",
+            0,
+            firm=True,
+            tags=frozenset({"bodies"}),
+            kinds=lambda kind: kind in KINDS,
+        ),
         claim("topology.closed", 1),
         claim("topology.sides", 1),
         claim("topology.manifold", 2),

@@ -92,7 +92,7 @@ def test_there_are_two_topologies_of_every_kind_with_radii_of_six_cells() -> Non
     assert {(body.n, body.m) for body in BODIES.values()} == set(KINDS)
     for n, m in KINDS:
         listed = known_bodies(n, m)
-        assert len({(body.pieces, body.b1) for body in listed} | {b.name for b in listed}) >= 2
+        assert len({(body.pieces, body.b1) for body in listed}) >= 2
         assert min(min(body.radii) for body in listed) >= 6
 
 
@@ -116,7 +116,7 @@ def test_a_body_has_the_measure_that_the_coarea_formula_gives(name: str) -> None
     assert found == pytest.approx(body.measure, rel=bent + error)
 
 
-@pytest.mark.parametrize("name", [k for k, body in BODIES.items() if body.m == 1])
+@pytest.mark.parametrize("name", [k for k, body in BODIES.items() if body.volume is not None])
 def test_a_hypersurface_encloses_its_volume_about_its_centroid(name: str) -> None:
     """By Monte Carlo: phi > 0 inside."""
     body = BODIES[name]
@@ -640,7 +640,7 @@ def test_cases_are_frozen() -> None:
         for case in [case for case in cases.of_kind(n, m) if case.id in CASES][:4]:
             values = case.build().values
             digest.update(values.astype(values.dtype.newbyteorder("<")).tobytes())
-    assert digest.hexdigest()[:16] == "536aae58505243be"
+    assert digest.hexdigest()[:16] == "c4a08a391ad6c500"
 
 
 @pytest.mark.parametrize(

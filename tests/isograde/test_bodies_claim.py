@@ -20,7 +20,7 @@ from tests.isograde.cheats import EMPTY_HANDED
 from tests.isograde.families import CORRECT
 from tests.isograde.judging import verdicts
 
-KINDS = [[n, m] for n in range(2, 6) for m in range(1, n + 1)]
+KINDS = [[n, m] for n in range(1, 7) for m in range(1, n + 1)]
 
 
 def bodies(kind: Kind, part: str = "") -> list[Case]:
@@ -76,11 +76,17 @@ def test_a_correct_extractor_passes(name: str) -> None:
     assert all(found[f"bodies.{claim}"][Verdict.PASS] for claim in ("pieces", "holes", "centroid"))
 
 
-@pytest.mark.parametrize("kind", [(2, 1), (2, 2), (3, 2), (3, 3), (4, 3)])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *[(1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3), (4, 4), (6, 6)],
+        pytest.param((6, 5), marks=pytest.mark.slow),
+    ],
+)
 def test_every_kind_passes_on_kuhns_simplices(kind: tuple[int, int]) -> None:
     """Curves, points and surfaces in four dimensions are judged as surfaces are."""
     limits = {"kinds": KINDS, "least": 2}
-    planned = [case for case in bodies(Kind(*kind)) if case.samples <= 50_000]
+    planned = [case for case in bodies(Kind(*kind)) if case.samples <= 400_000]
     assert len({case.facts["body"].name for case in planned}) == 2
     found = judged(on_kuhn, {"interpolant": "kuhn", "limits": limits}, planned)
     assert len(found) == len(CLAIMS)

@@ -184,6 +184,30 @@ def test_simplices_of_every_kind(kind: Kind) -> None:
     assert judged("vertices", wrong).verdict is Verdict.FAIL
 
 
+def test_where_three_sets_meet_beside_a_face_of_two_dimensions() -> None:
+    """A point on a face of three dimensions, nearer than the rounding to one of two: right there.
+
+    Found as simplices/flat-5-3, where no function changed sides on the smaller face. Moved along
+    it by half a cell the same vertex is wrong.
+    """
+    corners = np.array(list(np.ndindex(2, 2, 2, 2)), float)
+    meeting = np.array([0.4, 0.125, 0.125 - 1e-5, 0.0])
+    slopes = np.random.default_rng(5).normal(size=(3, 4))
+    values = slopes @ (corners - meeting).T
+    field = Field.of(values.reshape(3, 2, 2, 2, 2), dimension=4)
+    mesh = simplicial(field)
+    assert len(mesh.simplices)
+    split = Declaration("", interpolant="tetrahedra")
+    right = of(field, mesh.vertices, mesh.simplices, split)
+    assert judged("vertices", right).verdict is Verdict.PASS
+    wrong = mesh.vertices.copy()
+    near = np.linalg.norm(wrong - meeting, axis=1).argmin()
+    assert np.linalg.norm(wrong[near] - meeting) < 1e-4
+    wrong[near] = [0.9, 0.05, 0.05, 0.0]
+    moved = of(field, wrong, mesh.simplices, split)
+    assert judged("vertices", moved).verdict is Verdict.FAIL
+
+
 def test_contours_that_cross_are_told() -> None:
     """A vertex moved across its neighbour; the right ones do not cross."""
     values = noise(1, (9, 9))

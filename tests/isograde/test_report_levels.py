@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from isograde.commands.console import Exit, status_of
-from isograde.model import CONTOURS, CURVES, SURFACES
+from isograde.model import CONTOURS, CURVES, SURFACES, Kind
 from isograde.report.headline import by_level, by_topology, choices, headline, wrong_cells
 from isograde.report.reading import CONVENTIONS, Report
-from isograde.report.words import evidence
+from isograde.report.words import evidence, verdict
 
 from tests.isograde.reporting import CLAIMS, body, claim, made, row
 
@@ -138,6 +138,23 @@ def test_a_declared_kind_that_is_declined_but_for_its_bodies_reaches_no_level() 
     assert made([body(), row("noise/a"), disc, declined], **kinds).reached is None
     absent = row("contours/a", kind=CONTOURS, every="skip")
     assert made([body(), row("noise/a"), disc, absent], **kinds).reached == 4
+
+
+def test_of_a_kind_without_known_bodies_the_page_says_so() -> None:
+    """(5, 1) has no known body here: the level stands, and what it does not rest on is said."""
+    kinds: dict[str, Any] = {"limits": {"kinds": [[3, 1], [5, 1]]}}
+    report = made([body(), row("noise/a")], **kinds)
+    assert report.reached == 4
+    assert "No known body is kept of (5, 1)" in verdict(report)
+    assert "No known body" not in verdict(made([body(), row("noise/a")]))
+
+
+def test_who_declares_only_kinds_without_known_bodies_reaches_no_level() -> None:
+    """The cheat that goes with it: a kind of which nothing can be shown."""
+    alone: dict[str, Any] = {"limits": {"kinds": [[5, 1]]}}
+    report = made([row("simplices/a", kind=Kind(5, 1))], **alone)
+    assert report.reached is None
+    assert status_of(report) is Exit.NO_EVIDENCE
 
 
 def test_a_run_of_a_part_reaches_no_level_and_needs_no_body() -> None:

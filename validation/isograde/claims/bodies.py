@@ -21,7 +21,7 @@ from isoref.field import Integers
 from isograde.claims.evidence import complex_of, failed, on_mesh, passed, remembered, skipped
 from isograde.declaration import Declaration
 from isograde.model import Claim, Finding, Trial
-from isograde.oracles.bodies import Body, Bounds, bounds
+from isograde.oracles.bodies import KINDS, Body, Bounds, bounds
 from isograde.oracles.body_measures import Measures, measures
 from isograde.oracles.complexes import Complex
 
@@ -98,7 +98,7 @@ def holes(one: Beside) -> Finding:
 
 def offset(one: Beside) -> Finding:
     """Pass when the mesh is, on the average, as far inside or outside as it may be."""
-    what = "difference of volume over area" if one.body.m == 1 else "mean distance"
+    what = "difference of volume over area" if one.body.volume is not None else "mean distance"
     return _within(what, one.found.mean, one.allowed.mean)
 
 
@@ -147,7 +147,7 @@ def _claim(name: str, rule: str, judge: Callable[[Beside], Finding]) -> Claim:
         return judge(beside(trial))
 
     return Claim(
-        f"bodies.{name}", rule, DERIVED, 0, on_mesh(of_trial),
+        f"bodies.{name}", rule, DERIVED, 0, on_mesh(of_trial), kinds=lambda kind: kind in KINDS,
         tags=frozenset({"bodies"}), firm=True,
     )  # fmt: skip
 

@@ -132,10 +132,28 @@ def _on_split(lattice: Lattice, places: Floats, kind: Kind) -> Booleans:
     sides = lattice.sides[(slice(None), *np.moveaxis(inside, -1, 0))]
     both = (sides & on).any(axis=-1) & (~sides & on).any(axis=-1)
     dimension = on.sum(axis=1) - 1
-    right = (dimension == kind.n) | (dimension == kind.m)
+    right = ((dimension == kind.n) | (dimension == kind.m)) & both.all(axis=0)
     if kind.m > 1:
-        right |= dimension > kind.m
-    return np.asarray(right & both.all(axis=0) & _in_lattice(lattice, places))
+        right |= (dimension > kind.m) & both.all(axis=0)
+        right |= (dimension < kind.m) & _on_level_sets(lattice, inside, found.weights)
+    return np.asarray(right & _in_lattice(lattice, places))
+
+
+def _on_level_sets(lattice: Lattice, corners: Integers, weights: Floats) -> Booleans:
+    """(r,) places where every linear function is at its isovalue, up to what `locate` rounds off.
+
+    Where several sets meet near a face of fewer than m dimensions, `locate` puts the place on it,
+    though no function need change sides there. Each of the n + 1 weights was moved by n tolerances
+    at most, and the function by as much of its range over the simplex.
+    """
+    slack = (lattice.n + 1) * lattice.n * lattice.tolerance
+    right = np.ones(len(corners), bool)
+    for component, isovalue in zip(components(lattice.field), lattice.isovalues, strict=True):
+        values = component[tuple(np.moveaxis(corners, -1, 0))].astype(np.float64) - isovalue
+        off = np.abs((weights * values).sum(axis=1))
+        mixed = (values.min(axis=1) <= 0) & (values.max(axis=1) >= 0)
+        right &= mixed & (off <= slack * np.ptp(values, axis=1))
+    return right
 
 
 def _in_lattice(lattice: Lattice, places: Floats) -> Booleans:

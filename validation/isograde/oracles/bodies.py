@@ -104,7 +104,7 @@ class Body:
     pieces, b1 : number of components; first Betti number over Z/2 (loops of curves, twice the
         genus of surfaces, summed)
     measure : k-dimensional volume; the number of points where k = 0
-    volume : enclosed, where m = 1
+    volume : enclosed, where m = 1 and k > 0
     """
 
     name: str
@@ -241,7 +241,7 @@ def _offset(c: float, R: float, length: float, added: float) -> float:
 
 # -- bodies ----------------------------------------------------------------------------------------
 
-IDENTITY: dict[int, Floats] = {n: np.eye(n) for n in range(1, 6)}
+IDENTITY: dict[int, Floats] = {n: np.eye(n) for n in range(1, 7)}
 TILTED: dict[int, Floats] = {
     2: np.array([[3, 4], [-4, 3]]) / 5,
     3: np.array([[2, 2, 1], [-2, 1, 2], [1, -2, 2]]) / 3,
@@ -297,7 +297,7 @@ def product(
         pieces,
         pieces * sum(d == 2 for d, _ in factors),
         prod(sphere_measure(d, R) if R else 1.0 for d, R in factors),
-        ball_volume(*factors[0]) if len(factors) == 1 else None,
+        ball_volume(*factors[0]) if len(factors) == 1 < len(shape) else None,
     )
 
 
@@ -406,6 +406,7 @@ OFFSET = {
     3: (0.4571, -0.0429, -0.4337),
     4: (0.4571, 0.1513, -0.1521, -0.4337),
     5: (0.4571, 0.2213, -0.0129, -0.2377, -0.4519),
+    6: (0.4571, 0.2213, -0.0129, -0.2377, -0.4519, 0.1129),
 }
 """Cells from the middle of the lattice to a centroid: another along each axis."""
 
@@ -478,14 +479,33 @@ def known_bodies(n: int, m: int, odd: int = 0) -> list[Body]:
             made("circle", box(4, 4, 3, 2, 2), (2, round_), flat, flat, flat),
             made("two-circles", box(4, 4, 3, 2, 2), (2, round_), (1, 2.0), flat, flat),
         ]
-    if n == m and n in TILTED:
+    if (n, m) == (6, 5):
+        return [
+            made("circle", box(4, 4, 2, 2, 2, 2), (2, round_), *[flat] * 4),
+            made("two-circles", box(4, 4, 3, 2, 2, 2), (2, round_), (1, 2.0), *[flat] * 3),
+        ]
+    if n == m and n <= 3:
         side = box(*[4] * n)
         return [
             made("point", side, *[flat] * n),
             made("points", side, *[(1, 3.0)] * n),
         ]
+    if n == m and n <= 6:
+        thin = box(4, 3, *[2] * (n - 2))
+        return [
+            made("point", thin, *[flat] * n),
+            made("points", thin, (1, 3.0), (1, 2.0), *[flat] * (n - 2)),
+        ]
     raise ValueError(f"no bodies are known for {m} functions on a lattice of dimension {n}")
 
 
-KINDS = ((2, 1), (2, 2), (3, 1), (3, 2), (3, 3), (4, 1), (4, 2), (4, 3), (5, 3), (5, 4))
-"""Every (n, m) with known bodies."""
+KINDS = (
+    (1, 1),
+    *((2, m) for m in (1, 2)),
+    *((3, m) for m in (1, 2, 3)),
+    *((4, m) for m in (1, 2, 3, 4)),
+    *((5, m) for m in (3, 4, 5)),
+    *((6, m) for m in (5, 6)),
+)
+"""Every (n, m) with known bodies. Of the others a sphere of radius six alone has very many
+simplices: of (6, 4) 434 thousand, of (5, 2) over two million, two gigabytes to judge."""

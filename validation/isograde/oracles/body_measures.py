@@ -47,9 +47,9 @@ class Measures:
     pieces, shells : see above; 0 for an empty mesh
     b1 : None where k > 2
     measure : k-dimensional volume; the number of points where k = 0
-    volume : enclosed, with the sign of the orientation, where m = 1
-    centroid : of the enclosed set where m = 1, else of the mesh; NaN where there is none
-    mean : |difference of volume| over the area where m = 1, else the mean distance from the body
+    volume : enclosed, with the sign of the orientation, of a body with one
+    centroid : of the enclosed set of a body with a volume, else of the mesh; NaN where empty
+    mean : of a body with a volume |difference of volume| over the area, else the mean distance
     to_body, to_mesh : the largest distances, mesh to body and body to mesh; infinite where empty
     degree : how often the mesh covers the body, with sign; without sign where k = 0
     """
@@ -77,7 +77,7 @@ def measures(vertices: Floats, simplices: Integers, body: Body) -> Measures:
     inner = middles(vertices, simplices)
     away = body.distance(inner.reshape(-1, body.n)).reshape(inner.shape[:2])
     at_corners = body.distance(vertices[np.unique(simplices)])
-    if body.m == 1:
+    if body.volume is not None:
         volume, centroid = enclosed(vertices, simplices)
         mean = abs(volume - (body.volume or 0.0)) / total if total else float("inf")
     else:

@@ -294,6 +294,12 @@ class Report:
         return sorted(wanted - passed)
 
     @property
+    def unbodied(self) -> list[Kind]:
+        """The declared kinds of which no known body is kept, where others are judged by theirs."""
+        stated = {kind for s in self.summaries.values() if s.family == BODIES for kind in s.kinds}
+        return [kind for kind in self.kinds if kind not in stated] if stated else []
+
+    @property
     def beside(self) -> list[Summary]:
         """The claims beside the ladder."""
         return self._of_level(None)

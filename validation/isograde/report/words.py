@@ -58,6 +58,9 @@ def verdict(report: Report) -> str:
         said = "Every promise that could be tested holds on every case tried."
     if report.withdrawn:
         said += f" Not promised: {listed(report.withdrawn, 6)}."
+    if report.unbodied:
+        told = listed([str(kind) for kind in report.unbodied], 6)
+        said += f" No known body is kept of {told}: of these, level 0 rests on the other claims."
     return f"{promise} {said}"
 
 
