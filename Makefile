@@ -7,7 +7,7 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: help grade test quick lint correct proof papers benchmarks reports docs clean
+.PHONY: help grade test quick lint correct proof papers benchmarks reports catalogue docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -18,6 +18,7 @@ help:
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
+	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make docs        the site, in docs/_build"
 	@echo "make benchmarks  speed and memory beside the peers"
 
@@ -53,6 +54,9 @@ papers: $(STAMP)
 
 reports: $(STAMP)
 	$(BIN)/isograde grade --all --out reports/implementations || [ $$? -eq 1 ]
+
+catalogue: $(STAMP)
+	$(BIN)/python -m isograde.catalogue
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

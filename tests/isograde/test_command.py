@@ -5,8 +5,10 @@ import json
 import subprocess
 import sys
 import time
+from importlib import metadata
 from pathlib import Path
 
+import isograde
 import numpy as np
 import psutil
 import pytest
@@ -15,7 +17,7 @@ from isograde import command
 from isograde.adapters import ready_made_names
 from isograde.claims import CLAIMS
 from isograde.command import app
-from isograde.commands import grading
+from isograde.commands import grading, listings
 from isograde.commands.console import Exit
 from isograde.report import reading, record
 from typer.testing import CliRunner, Result
@@ -111,9 +113,15 @@ def test_a_file_that_is_no_report_is_refused(tmp_path: Path) -> None:
     [
         (("grade",), 2, "name one implementation, or --all"),
         (("grade", "isoref:lorensen-cline", "--all"), 2, "name one implementation, or --all"),
-        (("grade", "skimage:levine"), 3, "did you mean skimage:lewiner"),
-        (("grade", "python:absent_module:f"), 3, "absent_module"),
-        (("grade", "pyhton:mine:f"), 3, "did you mean python:mine:f?"),
+        (("grade", "skimage:levine"), 2, "did you mean skimage:lewiner"),
+        (("grade", "python:absent_module:f"), 2, "absent_module"),
+        (("grade", "python:isoref.methds:extract"), 2, "did you mean isoref.methods?"),
+        (("grade", "python:isoref.methods:extrct"), 2, "did you mean extract?"),
+        (("grade", "python:absent.py:extract"), 2, "no such file"),
+        (("grade", "dir:absent"), 2, "does not exist"),
+        (("grade", "exec:exit 3"), 3, "did not start"),
+        (("check", "skimage:levine"), 2, "did you mean skimage:lewiner"),
+        (("grade", "pyhton:mine:f"), 2, "did you mean python:mine:f?"),
         (("grade", "isoref:lorensen-cline", "--only", "topology.closd"), 4, "topology.closed?"),
         (("grade", "isoref:lorensen-cline", "--only", "absent"), 4, "nothing matches absent"),
         (("grade", "isoref:lorensen-cline", "--jobs", "0"), 2, "greater than or equal to 1"),
@@ -178,6 +186,43 @@ def test_what_is_explained_says_of_which_kinds_and_families(name: str) -> None:
     told = " ".join(run("explain", name).output.split())
     assert "said of" in told
     assert "promised" in told
+
+
+def test_a_module_that_does_not_import_did_not_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fault inside the module is the implementation's, whatever it misses: status 3, not 2."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text("import absent_module\n", encoding="utf-8")
+    result = run("grade", "python:mine.py:extract")
+    assert result.exit_code == 3
+    assert "No module named 'absent_module'" in result.output
+
+
+@pytest.mark.parametrize("begin", [["isograde"], ["-m", "isograde"], ["-m", "isograde.command"]])
+def test_the_command_can_be_called_as_a_module_and_says_its_version(begin: list[str]) -> None:
+    if begin == ["isograde"]:
+        result = run("--version")
+        assert result.exit_code == 0
+        assert result.output == f"isograde {isograde.__version__}\n"
+        return
+    done = subprocess.run(
+        [sys.executable, *begin, "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"isograde {isograde.__version__}\n"
+
+
+def test_what_is_not_installed_is_said_to_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ready-made name whose library is absent is listed, and told."""
+
+    def absent(name: str) -> str:
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(listings, "version", absent)
+    monkeypatch.setattr(listings, "find_spec", lambda name: None if name == "mcubes" else object())
+    rows = run("list", "implementations").output.splitlines()
+    assert "not installed" in next(row for row in rows if row.startswith("pymcubes"))
+    assert "source" in next(row for row in rows if row.startswith("isoref:trilinear-cubes"))
 
 
 def test_a_bare_call_shows_the_help() -> None:
@@ -280,7 +325,7 @@ def test_check_tells_what_a_adapter_does_and_why_another_does_not_open() -> None
     assert "promises level" in good.output
     assert "The declaration to paste" in good.output
     assert '"level": 3' in good.output
-    assert bad.exit_code == 3
+    assert bad.exit_code == 2
     assert "no implementation 'absent'" in bad.output
 
 

@@ -9,35 +9,57 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from isoref.methods import RULES
+from typer.core import TyperCommand, TyperGroup
 
-from isograde.commands.console import Exit, console, errors, stop
-from isograde.model import Limits
+import isograde
+from isograde.commands.console import Exit, stop
+
+
+def _uncoerced(option: Any) -> Any:
+    """The help option, False where it is not given, so that no value has to be coerced.
+
+    Coercion takes pydantic, which takes as long to import as NumPy.
+    """
+    if option is not None:
+        option.default = False
+    return option
+
+
+class QuickGroup(TyperGroup):
+    """A group of commands that is quick to start."""
+
+    def get_help_option(self, ctx: Any) -> Any:
+        """The option ``--help``."""
+        return _uncoerced(super().get_help_option(ctx))
+
+
+class QuickCommand(TyperCommand):
+    """A command without parameters that is quick to start."""
+
+    def get_help_option(self, ctx: Any) -> Any:
+        """The option ``--help``."""
+        return _uncoerced(super().get_help_option(ctx))
+
 
 app = typer.Typer(
     name="isograde",
+    cls=QuickGroup,
+    invoke_without_command=True,
     no_args_is_help=True,
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode="rich",
+    # Plain help: what draws boxes round it takes longer to import than all the rest.
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
     help="Grade an isosurface extractor: what it guarantees, and the smallest case that breaks it.",
-    epilog="Start with [bold]isograde check python:mine:extract[/bold], then [bold]isograde grade "
-    "python:mine:extract[/bold]. Exit status: 0 every promise that could be tested holds, 1 one is "
+    epilog="Start with `isograde check python:mine:extract`, then `isograde grade "
+    "python:mine:extract`. Exit status: 0 every promise that could be tested holds, 1 one is "
     "broken, 2 wrong use, 3 the implementation did not start, 4 nothing was judged that could have "
     "failed.",
 )
-
-
-class Listing(StrEnum):
-    """What `isograde list` lists."""
-
-    CLAIMS = "claims"
-    CASES = "cases"
-    IMPLEMENTATIONS = "implementations"
-    LEVELS = "levels"
 
 
 class Format(StrEnum):
@@ -54,6 +76,18 @@ class Space(StrEnum):
 
     RAS = "RAS"
     LPS = "LPS"
+
+
+@app.callback()
+def isograde_(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Grade an isosurface extractor: what it guarantees, and the smallest case that breaks it."""
+    if version:
+        print(f"isograde {isograde.__version__}")
+        raise typer.Exit
 
 
 GRADE_HELP = "python:module:function, exec:command, dir:path, or a ready-made name (list them)."
@@ -95,6 +129,7 @@ def grade(
     if everything == (implementation is not None):
         stop(Exit.WRONG_USE, "name one implementation, or --all")
     from isograde.commands import grading
+    from isograde.model import Limits
     from isograde.runner import Options, processors
 
     limits = Limits(timeout, memory)
@@ -171,20 +206,43 @@ def explain(
     listings.explain(claim)
 
 
-@app.command(name="list")
-def list_(
-    what: Annotated[Listing, typer.Argument(help="What to list.")],
-) -> None:
-    """List claims, cases, implementations or levels."""
+# A group of commands without parameters, since what checks parameters takes long to import.
+lists = typer.Typer(
+    cls=QuickGroup, no_args_is_help=True, help="List claims, cases, implementations or levels."
+)
+app.add_typer(lists, name="list")
+
+
+@lists.command(cls=QuickCommand)
+def claims() -> None:
+    """List every claim: its level, the kinds it can be said of, its rule."""
     from isograde.commands import listings
 
-    table = {
-        Listing.CLAIMS: listings.claims,
-        Listing.CASES: listings.cases,
-        Listing.IMPLEMENTATIONS: listings.implementations,
-        Listing.LEVELS: listings.levels,
-    }[what]
-    console.print(table())
+    listings.claims()
+
+
+@lists.command(cls=QuickCommand)
+def cases() -> None:
+    """List every case: its kind, its size, and when it runs."""
+    from isograde.commands import listings
+
+    listings.cases()
+
+
+@lists.command(cls=QuickCommand)
+def implementations() -> None:
+    """List every ready-made name, and which of their packages are not installed."""
+    from isograde.commands import listings
+
+    listings.implementations()
+
+
+@lists.command(cls=QuickCommand)
+def levels() -> None:
+    """List the levels and what each guarantees."""
+    from isograde.commands import listings
+
+    listings.levels()
 
 
 @app.command()
@@ -244,7 +302,7 @@ def extract(
 @app.command(name="prove")
 def prove_(
     rule: Annotated[
-        str, typer.Argument(metavar="RULE", help=f"{', '.join(RULES)}, or python:module:RULE.")
+        str, typer.Argument(metavar="RULE", help="A rule of isoref, or python:module:RULE.")
     ],
     why: Annotated[bool, typer.Option("--why", help="Also print the argument.")] = False,
     shown: Annotated[int, typer.Option(min=0, help="How many faults of a kind to list.")] = 8,
@@ -266,6 +324,8 @@ def main() -> None:
     try:
         app()
     except Exception:  # noqa: BLE001 - shown whole, and told apart from claims that fail
+        from isograde.commands.console import errors
+
         errors.print_exception()
         sys.exit(Exit.BROKEN)
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from isograde.adapters import open_adapter
+from isograde.adapters.loading import called
 from isograde.declaration import Declaration
 from isograde.model import (
     BAD,
@@ -89,7 +90,7 @@ def grade(
         draft = unfinished(path)
         with lines.open_text(draft, "w") as file:
             writer = Writer(file, worker, options.only)
-            writer.write(record.header(spec, worker.declaration, options, list(arguments)))
+            writer.write(record.header(called(spec), worker.declaration, options, list(arguments)))
             writer.write_claims(tasks)
             tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
             writer.write_evidence(smallest, options)

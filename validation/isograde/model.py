@@ -303,6 +303,10 @@ class AdapterError(RuntimeError):
     """The implementation did not start; the message says why and what to install or change."""
 
 
+class UnknownName(AdapterError):  # noqa: N818 - a misspelt name, told as wrong use
+    """There is nothing of this name: a mistake in the call, not in the implementation."""
+
+
 class Adapter(Protocol):
     """A way to an implementation. Opened once, asked many times, survives what it runs."""
 

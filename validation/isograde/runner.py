@@ -22,14 +22,17 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from dataclasses import field as fresh
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
+from types import ModuleType
 
 from isoref.field import Field
 
@@ -306,10 +309,23 @@ def run(
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(options.jobs, context, _start, (spec, options))
     try:
-        for portion in pool.map(_judge_all, _portions(tasks, options.jobs)):
+        with _without_main():
+            portions = pool.map(_judge_all, _portions(tasks, options.jobs))
+        for portion in portions:
             yield from portion
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Processes that start meanwhile do not run the caller's script a second time."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _portions(tasks: Sequence[Task], jobs: int) -> list[Sequence[Task]]:

@@ -20,7 +20,7 @@ from isograde.adapters.directory import DirectoryAdapter, export
 from isograde.adapters.exec import ExecAdapter
 from isograde.adapters.python import PythonAdapter
 from isograde.adapters.registry import READY_MADE
-from isograde.model import Adapter, AdapterError, Kind
+from isograde.model import Adapter, Kind, UnknownName
 
 __all__ = ["export", "open_adapter", "ready_made_names"]
 
@@ -49,26 +49,28 @@ def open_adapter(spec: str) -> Adapter:
 
     Raises
     ------
-    AdapterError
+    UnknownName
         for a name that is unknown; the message lists what is close.
 
     >>> open_adapter("skimage:levine")
     Traceback (most recent call last):
-    isograde.model.AdapterError: no implementation 'skimage:levine'; did you mean skimage:lewiner?
+    isograde.model.UnknownName: no implementation 'skimage:levine'; did you mean skimage:lewiner?
     >>> open_adapter("pyhton:mine:f")
     Traceback (most recent call last):
-    isograde.model.AdapterError: no implementation 'pyhton:mine:f'; did you mean python:mine:f?
+    isograde.model.UnknownName: no implementation 'pyhton:mine:f'; did you mean python:mine:f?
     """
     kind, _, rest = spec.partition(":")
-    if spec in READY_MADE or (kind == "python" and rest):
+    if spec in READY_MADE or (kind in ("python", "pickle") and rest):
         return PythonAdapter(spec)
     if kind == "exec" and rest:
         return ExecAdapter(spec)
     if kind == "dir" and rest:
         return DirectoryAdapter(spec)
+    if kind == "function" and rest:
+        raise UnknownName(f"{spec} was a function of a session: call isograde.grade({rest}) there")
     close = difflib.get_close_matches(kind, KINDS, n=1) if rest and kind not in KINDS else []
     close = [f"{close[0]}:{rest}"] if close else difflib.get_close_matches(spec, READY_MADE, n=1)
     hint = (
         f"did you mean {close[0]}?" if close else "`isograde list implementations` shows the names"
     )
-    raise AdapterError(f"no implementation {spec!r}; {hint}")
+    raise UnknownName(f"no implementation {spec!r}; {hint}")

@@ -37,7 +37,16 @@ from isograde.adapters.forms import AnswerError, Arrays, from_pair
 from isograde.adapters.process import samples
 from isograde.adapters.protocol import check_json, declared
 from isograde.declaration import Declaration, Scope
-from isograde.model import AdapterError, Case, Kind, Limits, Outcome, Request, Status
+from isograde.model import (
+    AdapterError,
+    Case,
+    Kind,
+    Limits,
+    Outcome,
+    Request,
+    Status,
+    UnknownName,
+)
 from isograde.variants import is_bad_input
 
 FORMAT = 2
@@ -171,7 +180,7 @@ class DirectoryAdapter:
         try:
             return json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
-            raise AdapterError(f"{path} does not exist; {hint}") from None
+            raise UnknownName(f"{path} does not exist; {hint}") from None
         except (OSError, ValueError) as error:
             raise AdapterError(f"{path} cannot be read: {error}") from error
 

@@ -29,12 +29,15 @@ be for m fields in space. To decline a field, raise `NotImplementedError`.
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import importlib.util
 import inspect
+import pickle
+import pkgutil
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -44,10 +47,13 @@ from numpy.typing import NDArray
 from isograde.adapters.protocol import declared
 from isograde.adapters.registry import READY_MADE
 from isograde.declaration import Declaration
-from isograde.model import AdapterError
+from isograde.model import AdapterError, UnknownName
 
 # A function as the worker calls it: samples, one isovalue a component, spacing.
 Call = Callable[[NDArray[Any], tuple[float, ...], tuple[float, ...]], Any]
+
+# How the name of a function that a session wrote to a file begins (`isograde.adapters.functions`).
+PICKLED = "pickle:"
 
 # The system packages (Debian's names) that hold the shared libraries wheels do not bring along.
 SYSTEM_PACKAGES = {
@@ -72,12 +78,12 @@ SYSTEM_PACKAGES = {
 
 def load(spec: str) -> tuple[Call, Declaration]:
     """The function that `spec` names, and what it declares; raises `AdapterError`."""
-    if spec.startswith("python:"):
-        function, said = _load_python(spec)
+    if spec.startswith(("python:", PICKLED)):
+        function, said = _load_pickled(spec) if spec.startswith(PICKLED) else _load_python(spec)
         required = required_parameters(function)
         if isinstance(said, Mapping):
             said = _with_kinds(said, required)
-        declaration = declared(said, spec)
+        declaration = declared(said, called(spec))
         for kind in declaration.limits.kinds:
             if required not in (3, 2 * kind[1] + 1):
                 raise AdapterError(f"{spec}: {_miscounted(required, kind)}")
@@ -160,30 +166,90 @@ def advice(error: Exception, distribution: str) -> str:
     return f"the system library {library} is missing: install it (Debian, Ubuntu: {how})"
 
 
+def called(spec: str) -> str:
+    """The name under which a report shows what `spec` names, free of this machine's folders.
+
+    >>> called("pickle:/tmp/isograde-1/extract"), called("python:mine:extract")
+    ('function:extract', 'python:mine:extract')
+    """
+    return f"function:{Path(spec).name}" if spec.startswith(PICKLED) else spec
+
+
+def _load_pickled(spec: str) -> tuple[Callable[..., Any], object]:
+    """The function of a session that was written to a file, and what it says of itself."""
+    try:
+        with Path(spec.removeprefix(PICKLED)).open("rb") as file:
+            function = pickle.load(file)
+        return function, _said(function, None)
+    except Exception as error:
+        raise AdapterError(f"{called(spec)}: {type(error).__name__}: {error}") from error
+
+
+def _said(function: Callable[..., Any], module: ModuleType | None) -> object:
+    """What the function, or else its module, says in a `declaration`."""
+    said = getattr(function, "declaration", getattr(module, "declaration", {}))
+    return said() if callable(said) else said
+
+
 def _load_python(spec: str) -> tuple[Callable[..., Any], object]:
     """The function of a ``python:`` name, and what it says of itself."""
     place, _, name = spec.removeprefix("python:").rpartition(":")
     if not place or not name:
-        raise AdapterError(
+        raise UnknownName(
             f"{spec}: write python:package.module:function or python:file.py:function"
         )
     try:
         module = _module(place)
     except Exception as error:
+        if _is_misspelt(error, place):
+            raise UnknownName(f"{spec}: {error}; {_nearest_module(place)}") from error
         raise AdapterError(f"{spec}: importing {place}: {type(error).__name__}: {error}") from error
     function: Any = module
     for part in name.split("."):
         function = getattr(function, part, None)
     if not callable(function):
         others = [n for n in vars(module) if callable(getattr(module, n)) and n[0] != "_"]
-        raise AdapterError(f"{spec}: {place} has no function {name}; it has {', '.join(others)}")
-    said = getattr(function, "declaration", getattr(module, "declaration", {}))
+        raise UnknownName(f"{spec}: {place} has no function {name}; {_hint(name, others)}")
     try:
-        return function, said() if callable(said) else said
+        return function, _said(function, module)
     except Exception as error:
         raise AdapterError(
             f"{spec}: its declaration raised {type(error).__name__}: {error}"
         ) from error
+
+
+def _is_misspelt(error: Exception, place: str) -> bool:
+    """Whether an import failed because there is no module or file of this name."""
+    if place.endswith(".py"):
+        return isinstance(error, FileNotFoundError) and not Path(place).is_file()
+    if not isinstance(error, ModuleNotFoundError) or error.name is None:
+        return False
+    return f"{place}.".startswith(f"{error.name}.")
+
+
+def _nearest_module(place: str) -> str:
+    """What may have been meant by a module or file that is not there."""
+    if place.endswith(".py"):
+        folder = Path(place).parent
+        beside = sorted(str(path) for path in folder.glob("*.py")) if folder.is_dir() else []
+        close = difflib.get_close_matches(place, beside, n=1)
+        return f"did you mean {close[0]}?" if close else "is the folder right?"
+    package, _, name = place.rpartition(".")
+    try:
+        within = importlib.import_module(package).__path__ if package else None
+    except ImportError:
+        return _nearest_module(package)
+    known = [*sys.stdlib_module_names] if within is None else []
+    beside = [one.name for one in pkgutil.iter_modules(within) if one.name not in known]
+    close = difflib.get_close_matches(name, beside, n=1)
+    full = f"{package}." if package else ""
+    return f"did you mean {full}{close[0]}?" if close else "is it installed, or in this folder?"
+
+
+def _hint(name: str, others: Sequence[str]) -> str:
+    """Which of the others may have been meant, or what there is."""
+    close = difflib.get_close_matches(name, others, n=1)
+    return f"did you mean {close[0]}?" if close else f"it has {', '.join(others) or 'none'}"
 
 
 def _module(place: str) -> ModuleType:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from isograde.adapters.child import Child, Ended
 from isograde.adapters.conventions import refusal, to_house
+from isograde.adapters.loading import called
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Limits, Outcome, Request, Status
 
@@ -117,7 +118,7 @@ class ProcessAdapter(ABC):
             self.declaration = self._greet(child)
         except Ended as ended:
             child.kill()
-            raise AdapterError(f"{self.spec} did not start: {ended}") from ended
+            raise AdapterError(f"{called(self.spec)} did not start: {ended}") from ended
         except AdapterError:
             child.kill()
             raise

@@ -17,7 +17,7 @@ from isograde.adapters.frames import FrameError, pack, unpack
 from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
 from isograde.adapters.protocol import declared
 from isograde.declaration import Declaration
-from isograde.model import AdapterError, Outcome, Request, Status
+from isograde.model import AdapterError, Outcome, Request, Status, UnknownName
 
 # Strides that span more than so many times the samples are not reproduced in the worker. Every
 # second sample along three axes spans eight times.
@@ -47,7 +47,7 @@ class PythonAdapter(ProcessAdapter):
                 f"{self.spec}: its import wrote to the worker's pipe: {error}"
             ) from error
         if "error" in header:
-            raise AdapterError(header["error"])
+            raise (UnknownName if header["unknown"] else AdapterError)(header["error"])
         return declared(header["declaration"], self.spec)
 
     def _ask(self, child: Child, request: Request) -> Outcome:

@@ -8,7 +8,8 @@ catch (exit, crash, hang, memory) the grader sees from outside.
 Messages
 --------
 load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"declaration": {..}}``
-        or ``{"error": ..}``; `path` is Python's, `files` begins the names of files for arrays
+        or ``{"error": .., "unknown": ..}``, unknown where nothing has this name; `path` is
+        Python's, `files` begins the names of files for arrays
 run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "seconds": s}`` and the
         samples: answered by the same ``id`` with ``{"status": .., "detail": .., "changed": ..,
         "seconds": .., "peak": ..}`` and, where the status is "ok", vertices and simplices
@@ -34,7 +35,7 @@ from isograde.adapters.forms import AnswerError, arrays_from
 from isograde.adapters.frames import Arrays, Header, pack, unpack
 from isograde.adapters.loading import Call, load
 from isograde.declaration import declaration_json
-from isograde.model import AdapterError, Kind, Status
+from isograde.model import AdapterError, Kind, Status, UnknownName
 
 # A worker whose grader is gone ends itself this long after the time limit.
 GRACE_SECONDS = 10.0
@@ -98,7 +99,8 @@ def _serve_load(header: Header, sink: int) -> Call | None:
     try:
         extract, declaration = load(header["load"])
     except AdapterError as error:
-        _send(sink, pack({"error": str(error)}))
+        unknown = isinstance(error, UnknownName)
+        _send(sink, pack({"error": str(error), "unknown": unknown}))
         return None
     _send(sink, pack({"declaration": declaration_json(declaration)}))
     return extract

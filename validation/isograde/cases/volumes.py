@@ -19,16 +19,15 @@ means that nobody here has seen the bytes.
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from isoref.field import Field
 
+from isograde import places
 from isograde.formats import reading
 from isograde.formats.reading import Asked, Stored, VolumeError, library
 from isograde.model import Case
@@ -74,26 +73,7 @@ class Volume:
 
 def find(volume: Volume) -> Path | None:
     """Where the volume's file is on this machine, or None."""
-    places = [folder / volume.file for folder in _folders(volume)]
-    return next((place for place in places if place.is_file()), None)
-
-
-def _folders(volume: Volume) -> list[Path]:
-    """Folders that may hold the file."""
-    folders = []
-    if os.environ.get("ISOGRADE_DATA"):
-        folders.append(Path(os.environ["ISOGRADE_DATA"]))
-    # The package is an extra: without it, its volumes are absent.
-    if volume.package == "nibabel" and find_spec("nibabel"):
-        from nibabel.testing import data_path
-
-        folders.append(Path(data_path))
-    return [*folders, cache_folder()]
-
-
-def cache_folder() -> Path:
-    """Where `fetch` keeps downloads: XDG_CACHE_HOME/isograde, or ~/.cache/isograde."""
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "isograde"
+    return places.find(volume.file, volume.package)
 
 
 def fetch(volume: Volume) -> Path:
@@ -117,12 +97,12 @@ def fetch(volume: Volume) -> Path:
     pooch = library("pooch", "data")
     known = f"sha256:{volume.sha256}" if volume.sha256 else None
     try:
-        got = Path(pooch.retrieve(volume.url, known, fname=volume.file, path=cache_folder()))
+        got = Path(pooch.retrieve(volume.url, known, fname=volume.file, path=places.cache_folder()))
     except (OSError, ValueError) as error:
         raise VolumeError(
             f"{volume.url} could not be downloaded ({type(error).__name__}). Without a network, "
             f"get the file elsewhere (see {volume.source}) and put it, as {volume.file}, into "
-            f"{cache_folder()} or into the folder that ISOGRADE_DATA names"
+            f"{places.cache_folder()} or into the folder that ISOGRADE_DATA names"
         ) from error
     _check_size(volume, got)
     if known is None:
@@ -205,11 +185,13 @@ def cases(seed: int = 0) -> list[Case]:
     """A small and a large ("full") block of every present volume at each of its isovalues."""
     del seed
     present = [volume for volume in REGISTRY.values() if find(volume) is not None]
+    return [case for volume in present for case in cases_of(volume)]
+
+
+def cases_of(volume: Volume) -> list[Case]:
+    """The cases of one volume, whether or not it is present."""
     return [
-        _case(volume, isovalue, side)
-        for volume in present
-        for side in (SMALL, LARGE)
-        for isovalue in volume.isovalues
+        _case(volume, isovalue, side) for side in (SMALL, LARGE) for isovalue in volume.isovalues
     ]
 
 

@@ -21,7 +21,7 @@ from isograde.checking.checked import Advice, Checked, paste
 from isograde.checking.small import small_cases
 from isograde.checking.trying import Try
 from isograde.declaration import Declaration
-from isograde.model import LEVELS, SURFACES, AdapterError, Kind, Limits, Verdict
+from isograde.model import LEVELS, SURFACES, AdapterError, Kind, Limits, UnknownName, Verdict
 
 __all__ = ["Advice", "Checked", "check", "paste"]
 
@@ -40,7 +40,8 @@ def check(spec: str, timeout: float = 10.0) -> Checked:
         adapter = open_adapter(spec)
         declaration = adapter.open(Limits(seconds=timeout, megabytes=4096))
     except AdapterError as error:
-        return Checked(False, [(Verdict.ERROR, str(error))])
+        known = not isinstance(error, UnknownName)
+        return Checked(False, [(Verdict.ERROR, str(error))], known=known)
     try:
         checked.advice.append((Verdict.PASS, _introduced(declaration)))
         if isinstance(adapter, DirectoryAdapter):

@@ -6,25 +6,53 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from dataclasses import field as fresh
+from html import escape
 
 from isograde.declaration import Declaration, declaration_json
 from isograde.model import Verdict
 
 Advice = tuple[Verdict, str]
 
+# How a verdict is called here.
+SAID = {Verdict.PASS: "right", Verdict.FAIL: "wrong", Verdict.SKIP: "note"}
+
 
 @dataclass
 class Checked:
-    """What was found: verdicts with a sentence each, and the declaration to paste."""
+    """What was found: verdicts with a sentence each, and the declaration to paste.
+
+    started : the implementation did
+    known : there is one of this name
+    """
 
     started: bool = True
     advice: list[Advice] = fresh(default_factory=list)
     paste: str = ""
+    known: bool = True
 
     @property
     def right(self) -> bool:
         """Nothing is to be mended."""
         return all(verdict in (Verdict.PASS, Verdict.SKIP) for verdict, _ in self.advice)
+
+    @property
+    def told(self) -> list[tuple[str, str]]:
+        """What is right, wrong or to be noted, with a sentence each."""
+        return [(SAID.get(verdict, verdict.value), said) for verdict, said in self.advice]
+
+    def __str__(self) -> str:
+        """A line a finding, then the declaration to paste."""
+        lines = [f"{word:>11}  {said}" for word, said in self.told]
+        return "\n".join([*lines, *([self.paste] if self.paste else [])])
+
+    def _repr_html_(self) -> str:
+        """The findings as a table, then the declaration to paste."""
+        rows = "".join(
+            f'<tr><td>{word}</td><td style="text-align:left">{escape(said)}</td></tr>'
+            for word, said in self.told
+        )
+        pasted = f"<p>The declaration to paste:</p><pre>{escape(self.paste)}</pre>"
+        return f"<table>{rows}</table>{pasted if self.paste else ''}"
 
     def add(self, found: Iterable[Advice], what: str) -> None:
         """Take in advice; what is raised on the way is told, and ends nothing."""

@@ -7,20 +7,18 @@ from rich.markup import escape
 
 from isograde import checking
 from isograde.commands.console import Exit, say
-from isograde.model import Verdict
-
-# How a verdict is called here.
-SAID = {Verdict.PASS: "right", Verdict.FAIL: "wrong", Verdict.SKIP: "note"}
 
 
 def check(spec: str, timeout: float) -> None:
     """What was found is printed; status 0 where nothing is to be mended."""
     checked = checking.check(spec, timeout)
-    for verdict, sentence in checked.advice:
-        colour = {Verdict.PASS: "green", Verdict.SKIP: "dim"}.get(verdict, "red")
-        say(f"[{colour}]{SAID.get(verdict, verdict.value):>11}[/]  {escape(sentence)}")
+    for word, sentence in checked.told:
+        colour = {"right": "green", "note": "dim"}.get(word, "red")
+        say(f"[{colour}]{word:>11}[/]  {escape(sentence)}")
     if checked.paste:
         say(f"\nThe declaration to paste (isograde explain declaration):\n{escape(checked.paste)}")
+    if not checked.known:
+        raise typer.Exit(Exit.WRONG_USE)
     if not checked.started:
         raise typer.Exit(Exit.NOT_STARTED)
     raise typer.Exit(Exit.HOLDS if checked.right else Exit.FAILS)

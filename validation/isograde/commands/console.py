@@ -6,18 +6,39 @@ import difflib
 import sys
 from collections.abc import Iterable
 from enum import IntEnum
+from functools import cache
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from isograde.report.reading import Report
 
-# Leave tables room where nobody's window sets a width.
-console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    console: Console
+    errors: Console
+
+
+@cache
+def _made(name: str) -> Console:
+    """The console of standard output, or of errors, made when the first word is said.
+
+    Help does without: what speaks takes as long to import as all that help needs.
+    """
+    from rich.console import Console
+
+    if name == "errors":
+        return Console(stderr=True, highlight=False, soft_wrap=True)
+    # Leave tables room where nobody's window sets a width.
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def __getattr__(name: str) -> Console:
+    """`console` and `errors`."""
+    if name not in ("console", "errors"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _made(name)
 
 
 class Exit(IntEnum):
@@ -51,13 +72,15 @@ def status_of(report: Report, strict: bool = False) -> Exit:
 
 def stop(status: Exit, message: str) -> NoReturn:
     """Say why and leave with this status."""
-    errors.print(f"[bold red]isograde:[/] {escape(message)}")
+    from rich.markup import escape
+
+    _made("errors").print(f"[bold red]isograde:[/] {escape(message)}")
     raise typer.Exit(status)
 
 
 def say(text: str) -> None:
     """Print a line, however long it is."""
-    console.print(text, soft_wrap=True)
+    _made("console").print(text, soft_wrap=True)
 
 
 def close_to(name: str, names: Iterable[str]) -> str:

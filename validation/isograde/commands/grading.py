@@ -9,15 +9,15 @@ from pathlib import Path
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
 from isograde.commands.console import Exit, console, errors, say, status_of, stop
 from isograde.grading import grade, unfinished
-from isograde.model import BAD, AdapterError
-from isograde.report import comparison, reading, record, words
+from isograde.model import AdapterError, UnknownName
+from isograde.progress import progress
+from isograde.report import comparison, reading, words
 from isograde.report.findings import causes
 from isograde.report.headline import choices, headline
 from isograde.runner import NothingToRun, Options
@@ -38,14 +38,8 @@ def grade_one(
 
 
 def _grade(spec: str, options: Options, path: Path) -> reading.Report:
-    """The report of one implementation, with a bar while it is made."""
-    with _progress() as bar:
-        task = bar.add_task(spec, total=None, bad="")
-
-        def watch(done: int, total: int, tally: record.Tally) -> None:
-            bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
-            bar.update(task, completed=done, total=total, bad=f"{bad} bad" if bad else "")
-
+    """The report of one implementation, with a bar while it is made. Raises `AdapterError`."""
+    with progress(spec) as watch:
         return grade(spec, options, path, arguments=sys.argv[1:], watch=watch)
 
 
@@ -54,6 +48,8 @@ def _faults_told(path: Path) -> Iterator[None]:
     """Whatever ends the making of a report is told, with its status."""
     try:
         yield
+    except UnknownName as error:
+        stop(Exit.WRONG_USE, str(error))
     except AdapterError as error:
         stop(Exit.NOT_STARTED, str(error))
     except NothingToRun as error:
@@ -72,18 +68,6 @@ def _stopped(path: Path) -> str:
     return f"stopped before the end{kept}. No report was written or changed."
 
 
-def _progress() -> Progress:
-    """A bar that is there only on a terminal, and gone when it is done."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("[red]{task.fields[bad]}"),
-        TimeRemainingColumn(),
-    )
-    return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
-
-
 def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = False) -> None:
     """Every ready-made implementation graded, a page each, and a comparison."""
     done: dict[str, reading.Report] = {}
@@ -92,7 +76,7 @@ def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = Fals
         stem = spec.replace(":", "-")
         path = out / f"{stem}.jsonl.gz"
         try:
-            done[stem] = _grade_quietly(spec, options, path)
+            done[stem] = _grade(spec, options, path)
         except KeyboardInterrupt:
             stop(Exit.STOPPED, _stopped(path))
         except AdapterError as error:
@@ -112,19 +96,6 @@ def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = Fals
     reports.write_whole(out / "comparison.md", comparison.markdown_table(found))
     say(f"\ncomparison: [bold]{escape(str(place))}[/]")
     raise typer.Exit(worst(status_of(one, strict) for one in found))
-
-
-def _grade_quietly(spec: str, options: Options, path: Path) -> reading.Report:
-    """The report of one implementation of many. Raises `AdapterError`."""
-    with _progress() as bar:
-        task = bar.add_task(spec, total=None, bad="")
-        return grade(
-            spec,
-            options,
-            path,
-            arguments=sys.argv[1:],
-            watch=lambda done, total, _: bar.update(task, completed=done, total=total),
-        )
 
 
 def worst(statuses: Iterable[Exit]) -> Exit:

@@ -5,107 +5,88 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from rich.markup import escape
 from rich.table import Table
 
-from isograde.adapters.registry import READY_MADE
-from isograde.cases import all_cases, volumes
-from isograde.claims import CLAIMS
+from isograde import places
+from isograde.catalogue import kinds_of, read
 from isograde.commands.console import Exit, console, stop
-from isograde.model import LEVELS, Case, Claim, Kind
-from isograde.report.record import families_of, first_line
-from isograde.report.words import kinds as kind_words
 
-# Kinds by which it is told of which a claim can be said.
-ASKED = tuple(Kind(n, m) for n in range(1, 6) for m in range(1, n + 1))
-# List so many kinds that have no word of their own.
-LISTED = 3
+if TYPE_CHECKING:
+    from isograde.model import Claim
 
 
-def _table(*columns: str) -> Table:
-    """A plain table; the first column is never broken."""
+def _table(*columns: str, whole: int = 1) -> Table:
+    """A plain table; so many columns, the first, are never broken."""
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
     for index, name in enumerate(columns):
-        table.add_column(name, no_wrap=index == 0, overflow="fold")
+        table.add_column(name, no_wrap=index < whole, overflow="fold")
     return table
 
 
-def claims() -> Table:
-    """A row a claim."""
+def claims() -> None:
+    """Print a row a claim."""
     table = _table("claim", "level", "kinds", "rule")
-    for claim in CLAIMS.values():
-        level = "" if claim.level is None else str(claim.level)
-        table.add_row(claim.id, level, kinds_of(claim), escape(claim.rule))
-    return table
+    for name, level, kinds, rule, _ in read()["claims"]:
+        table.add_row(name, "" if level is None else str(level), kinds, escape(rule))
+    console.print(table)
 
 
-def kinds_of(claim: Claim) -> str:
-    """The kinds of which a claim can be said, in words."""
-    told = [kind for kind in ASKED if claim.kinds(kind)]
-    if len(told) == len(ASKED):
-        return "every kind"
-    named = [kind for kind in told if not str(kind).startswith("(")]
-    others = [kind for kind in told if kind not in named]
-    shown = kind_words([*named, *others[:LISTED]])
-    return f"{shown} and others" if len(others) > LISTED else shown
+def cases() -> None:
+    """Print a row a case, or a row for many that differ in their end only; then what is absent.
+
+    The rows are many and short: they are lined up by hand, since a table of Rich's takes as long
+    for so many as NumPy takes to import.
+    """
+    head = ["case", "kind", "samples", "isovalues", "runs"]
+    rows, absent = [head, *read()["cases"]], []
+    for name, file, package, samples, source, listed in read()["volumes"]:
+        if places.find(file, package) is None:
+            absent.append([f"real/{name}", "surfaces", samples, "", f"absent; {source}"])
+        else:
+            rows += listed
+    words = [[str(word) for word in row] for row in [*rows, *absent]]
+    widths = [max(map(len, column)) for column in zip(*words, strict=True)]
+    for row in words:
+        cells = [word.ljust(width) for word, width in zip(row, widths, strict=True)]
+        print("  ".join(cells).rstrip())
 
 
-def cases() -> Table:
-    """A row a case, or a row for many that differ in a number only; then what is not here."""
-    table = _table("case", "kind", "samples", "isovalues", "runs")
-    every = all_cases(0)
-    for group, members in _grouped(every).items():
-        table.add_row(*_row(group, [every[name] for name in members]))
-    for volume in volumes.REGISTRY.values():
-        if volumes.find(volume) is None:
-            told = f"absent; {volume.url or volume.source}"
-            table.add_row(f"real/{volume.name}", "surfaces", str(volume.samples), "", told)
-    return table
+def implementations() -> None:
+    """Print a row a ready-made name."""
+    table = _table("implementation", "package", "kinds", "promises", "notes", whole=2)
+    for name, distribution, modules, kinds, level, notes in read()["implementations"]:
+        package = f"{distribution} {_installed(distribution, modules)}"
+        table.add_row(name, package, kinds, level, escape(notes))
+    console.print(table)
 
 
-def _row(group: str, members: list[Case]) -> tuple[str, ...]:
-    """The name, kind, size, isovalues and occasion of a group of cases."""
-    rare = sum("full" in case.tags for case in members)
-    runs = {0: "always", len(members): "with --full"}.get(
-        rare, f"{len(members) - rare} always, {rare} with --full"
-    )
-    name = group if len(members) == 1 else f"{group} ({len(members)} cases)"
-    first = members[0]
-    levels = ", ".join(f"{level:g}" for level in first.isovalues)
-    return name, str(first.kind), str(max(case.samples for case in members)), levels, runs
+def _installed(distribution: str, modules: Sequence[str]) -> str:
+    """The installed version of a package, "not installed", or "source" where it is used as it is.
+
+    >>> _installed("no-such-thing", ["no_such_thing.inner"])
+    'not installed'
+    """
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        # Do not import: ask for the package of each module only.
+        there = all(find_spec(one.partition(".")[0]) is not None for one in modules)
+        return "source" if there else "not installed"
 
 
-def _grouped(names: Iterable[str]) -> dict[str, list[str]]:
-    """Ids that differ only in their last, numeric part, under one pattern."""
-    groups: dict[str, list[str]] = {}
-    for name in names:
-        head, _, tail = name.rpartition("/")
-        groups.setdefault(f"{head}/*" if tail.isdigit() else name, []).append(name)
-    return groups
-
-
-def implementations() -> Table:
-    """A row a ready-made name."""
-    table = _table("implementation", "package", "kinds", "promises", "notes")
-    for name, made in READY_MADE.items():
-        declared = made.declaration()
-        kinds = [Kind(*kind) for kind in declared.limits.kinds]
-        shown = kind_words(kinds) if len(kinds) <= LISTED else f"{len(kinds)} kinds"
-        level = f"{declared.level} {LEVELS[declared.level][0]}"
-        package = f"{made.distribution} {made.version}"
-        table.add_row(name, package, shown, level, escape(declared.notes))
-    return table
-
-
-def levels() -> Table:
-    """A row a level."""
+def levels() -> None:
+    """Print a row a level."""
     table = _table("level", "name", "guarantee")
-    for level, (name, promise) in LEVELS.items():
+    for level, name, promise in read()["levels"]:
         table.add_row(str(level), name, promise)
-    return table
+    console.print(table)
 
 
 # How to write an implementation: the modules' own words.
@@ -122,6 +103,8 @@ def explain(name: str) -> None:
     if name in GUIDES:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return
+    from isograde.claims import CLAIMS
+
     found = [c for known, c in CLAIMS.items() if name in (known, known.split(".")[0])]
     if not found:
         close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES], n=3, cutoff=0.4)
@@ -133,6 +116,9 @@ def explain(name: str) -> None:
 
 def _explain(claim: Claim) -> None:
     """Print one claim."""
+    from isograde.model import LEVELS
+    from isograde.report.record import families_of, first_line
+
     console.print(f"\n[bold]{claim.id}[/]\n{escape(claim.rule)}\n")
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     table.add_column(style="dim", no_wrap=True)

@@ -27,7 +27,7 @@ def extract(volume: str, isovalue: float, method: str, out: Path, asked: Asked, 
     if out.suffix.lower() not in MESH_FILES:
         stop(Exit.WRONG_USE, f"{out} ends in none of {' '.join(MESH_FILES)}")
     try:
-        stored = _stored(volume, asked)
+        stored = stored_named(volume, asked)
         if space:
             stored = stored.in_space(space)
         mesh = METHODS[method](stored.field, isovalue)
@@ -93,10 +93,10 @@ def frequencies(volume: str, isovalue: float) -> None:
 
 def _volume(name: str) -> Field:
     """The field in a file, or of a known data set, on a straight lattice."""
-    return _stored(name, Asked()).field.straight()
+    return stored_named(name, Asked()).field.straight()
 
 
-def _stored(name: str, asked: Asked) -> Stored:
+def stored_named(name: str, asked: Asked) -> Stored:
     """What is in a file, or in a known data set, which is downloaded where it is not here."""
     known = volumes.REGISTRY.get(name)
     if known is not None and not Path(name).exists():

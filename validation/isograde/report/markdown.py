@@ -72,13 +72,14 @@ def _cause(report: Report, cause: Cause) -> str:
     """One finding: the diagnosis, its claim with the smallest case, and what follows."""
     summary, failure = cause.root, cause.root.failure
     assert failure is not None
+    language = "py" if report.spec.startswith("function:") else "sh"
     said = f"{cause.said[:1].upper()}{cause.said[1:]}"
     text = (
         f"### {plain(said)}\n\n"
         f"`{summary.id}`: {summary.claim['rule']}\n\n"
         f"{words.evidence(summary)}; {words.where(cause)}. Smallest: "
         f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}.\n\n"
-        f"```sh\n{' '.join(words.reproduce(report, summary).split())}\n```"
+        f"```{language}\n{' '.join(words.reproduce(report, summary).split())}\n```"
     )
     whole = [one.summary for one in cause.follows if one.wholly]
     rows = [f"- `{one.id}` {words.evidence(one)}" for one in whole]

@@ -205,6 +205,18 @@ class Report:
     memory: dict[str, Any] = fresh(default_factory=dict)
 
     @property
+    def records(self) -> Iterator[JSON]:
+        """The lines of the report, in their order."""
+        yield self.header
+        yield from self.claims.values()
+        for result in self.results:
+            yield self.cases[result["case"]]
+            yield result
+        yield from self.evidence.values()
+        if self.footer is not None:
+            yield self.footer
+
+    @property
     def declaration(self) -> JSON:
         """What the implementation declares."""
         declared: JSON = self.header["declaration"]

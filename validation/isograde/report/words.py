@@ -202,8 +202,12 @@ def _word(value: Any) -> str:
 
 
 def reproduce(report: Report, summary: Summary) -> str:
-    """The command that judges the smallest failed case again."""
+    """The command that judges the smallest failed case again, or the call in a session."""
     assert summary.failure is not None
+    kind, _, name = report.spec.partition(":")
+    if kind == "function":
+        seeded = f", seed={report.header['seed']}" if report.header["seed"] else ""
+        return f"isograde.grade({name}, only={[summary.failure.case, summary.id]}{seeded})"
     seed = f" --seed {report.header['seed']}" if report.header["seed"] else ""
     only = " ".join(f"--only {quote(name)}" for name in (summary.failure.case, summary.id))
     return f"isograde grade {quote(report.spec)} {only}{seed}"

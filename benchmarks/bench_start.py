@@ -1,0 +1,90 @@
+"""What a newcomer waits for: the command's help and its lists, beside ``import numpy``.
+
+Each contestant is a new process, in turn, so that a busy machine slows all alike; what is compared
+is processor time, which waiting for others does not lengthen. Beside it stands how many modules
+each imports, which no machine changes. Writes ``reports/benchmarks/start.md``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from stopwatch import machine_state
+
+NUMPY = ("-c", "import numpy")
+# The contestants, with how many times NumPy's import each may take.
+MOST = {
+    ("--help",): 1.2,
+    ("--version",): 1.2,
+    ("list", "levels"): 2.0,
+    ("list", "claims"): 2.0,
+    ("list", "cases"): 2.0,
+    ("list", "implementations"): 2.0,
+}
+
+
+def processor_seconds(arguments: Sequence[str]) -> float:
+    """What a new Python with these arguments takes of the processor."""
+    process = subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"{' '.join(arguments)} ended with status {process.returncode}")
+    return used.ru_utime + used.ru_stime
+
+
+def modules(arguments: Sequence[str]) -> int:
+    """How many modules a new Python with these arguments imports."""
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    return sum(line.startswith("import time:") for line in done.stderr.splitlines())
+
+
+def main() -> None:
+    """Run the table and write it down; status 1 where a goal is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/start.md"))
+    asked = parser.parse_args()
+    runs = {words: ("-m", "isograde", *words) for words in MOST}
+    ratios: dict[tuple[str, ...], list[float]] = {words: [] for words in runs}
+    alone = []
+    for _ in range(asked.rounds):
+        alone.append(processor_seconds(NUMPY))
+        for words, run in runs.items():
+            ratios[words].append(processor_seconds(run) / alone[-1])
+    found = {words: statistics.median(ratios[words]) for words in runs}
+    lines = [
+        "# What a newcomer waits for\n",
+        f"{machine_state()}; processor time of a new process over that of `import numpy` "
+        f"({1000 * statistics.median(alone):.0f} ms), medians of {asked.rounds} rounds in turn.\n",
+        "| command | over numpy | at most | modules imported |",
+        "| --- | ---: | ---: | ---: |",
+        f"| `import numpy` | 1 | | {modules(NUMPY)} |",
+        *(
+            f"| `isograde {' '.join(words)}` | {found[words]:.2f} | {most} | {modules(run)} |"
+            for (words, run), most in zip(runs.items(), MOST.values(), strict=True)
+        ),
+    ]
+    asked.out.parent.mkdir(parents=True, exist_ok=True)
+    asked.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print("\n".join(lines))
+    if any(found[words] > most for words, most in MOST.items()):
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

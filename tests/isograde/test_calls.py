@@ -1,0 +1,173 @@
+"""What `import isograde` gives: grade, check, compare and extract."""
+
+import subprocess
+import sys
+from functools import partial
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import isograde
+import numpy as np
+import pytest
+from isograde.adapters.functions import named
+from isograde.model import AdapterError, UnknownName
+from isograde.report import reading
+from isograde.runner import NothingToRun
+from isoref.methods import METHODS
+from isoref.methods import extract as reference
+
+FEW = ["pairs/0217", "structure.*", "topology.*"]
+
+
+def mine(values: Any, isovalue: float, spacing: Any, method: str = "asymptotic-decider") -> Any:
+    """The reference, as a function of this file, which no process could import by its name."""
+    mesh = reference(values, isovalue, spacing, method=method)
+    return mesh.vertices, mesh.simplices
+
+
+def test_every_public_name_is_there_and_documented() -> None:
+    assert set(isograde.__all__) <= set(dir(isograde))
+    for name in isograde.__all__:
+        assert getattr(isograde, name).__doc__
+    with pytest.raises(AttributeError, match="no attribute 'grde'"):
+        isograde.grde  # noqa: B018 - a name that is not there
+
+
+def test_what_is_public_waits_to_be_used() -> None:
+    """`import isograde` imports nothing else, so that help and a plug-in of pytest are quick."""
+    program = "import sys, isograde; print('numpy' in sys.modules, 'rich' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize(
+    "implementation",
+    [
+        "isoref:asymptotic-decider",
+        reference,
+        mine,
+        partial(mine, method="asymptotic-decider"),
+        lambda values, isovalue, spacing: mine(values, isovalue, spacing),
+    ],
+    ids=["name", "importable", "of this file", "partial", "lambda"],
+)
+def test_a_function_is_graded_wherever_it_stands(implementation: Any) -> None:
+    found = isograde.grade(implementation, only=FEW, show_progress=False)
+    assert found.holds
+    assert found.status == 0
+    assert not found.failures
+    assert found.report.summaries["topology.closed"].passed == 1
+
+
+def test_an_importable_function_goes_by_its_name_and_no_folder_is_told() -> None:
+    assert isograde.grade(reference, only=FEW).report.spec == "python:isoref.methods:extract"
+    found = isograde.grade(partial(mine, method="lorensen-cline"), only=FEW)
+    assert found.report.spec == "function:mine"
+    assert found.report.name == "function:mine"
+    said = str(found)
+    assert "isograde.grade(mine, only=['pairs/0217', 'topology.closed'])" in said
+    assert "/tmp" not in said
+
+
+def test_what_fails_is_told_in_print_and_in_a_notebook(tmp_path: Path) -> None:
+    found = isograde.grade("isoref:lorensen-cline", only=["pairs/0217"])
+    assert not found.holds
+    assert found.status == 1
+    assert found.failures["topology.closed"].startswith("pairs/0217: 4 edges")
+    assert "topology.closed: 1 fail" in str(found)
+    html = found._repr_html_()
+    assert "topology.closed" in html
+    parser = HTMLParser()
+    parser.feed(html)
+    parser.close()
+    assert "<script" not in html.partition("<details>")[0]
+    saved = found.save(tmp_path / "report")
+    assert reading.read(saved / "report.jsonl").broken
+    assert (saved / "report.html").exists()
+    again = isograde.compare(saved)
+    assert again.grades[0].failures == found.failures
+
+
+def test_what_names_nothing_or_does_not_start_is_raised() -> None:
+    with pytest.raises(UnknownName, match="did you mean skimage:lewiner"):
+        isograde.grade("skimage:levine")
+    with pytest.raises(AdapterError, match="4 arguments"):
+        isograde.grade(lambda a, b, c, d: None)
+    with pytest.raises(NothingToRun, match=r"topology\.closed"):
+        isograde.grade("isoref:lorensen-cline", only=["topology.closd"])
+    with pytest.raises(TypeError, match="a function or a name, not int"):
+        isograde.grade(3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="needs an implementation"):
+        isograde.compare()
+
+
+def test_a_function_that_cannot_be_sent_says_what_to_do() -> None:
+    held = (line for line in "abc")
+    with pytest.raises(AdapterError, match="put it in a module"):
+        isograde.check(lambda values, isovalue, spacing: held)
+
+
+def test_a_check_says_what_is_wrong_with_the_call() -> None:
+    def one_based(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, rows = mine(values, isovalue, spacing)
+        return vertices, rows + 1
+
+    found = isograde.check(one_based)
+    assert found.started
+    assert not found.right
+    assert "count vertices from 1: subtract 1" in str(found)
+    assert "count vertices from 1" in found._repr_html_()
+
+
+def test_a_comparison_ranks_and_writes(tmp_path: Path) -> None:
+    found = isograde.compare("isoref:lorensen-cline", reference, only=["pairs/0217"])
+    assert found.ranking == ["python:isoref.methods:extract", "isoref:lorensen-cline"]
+    assert "lorensen" in found._repr_html_()
+    assert found.save(tmp_path / "table.md").read_text(encoding="utf-8").startswith("# Comparison")
+    with pytest.raises(ValueError, match="neither"):
+        found.save(tmp_path / "table.pdf")
+
+
+def test_extract_takes_an_array_or_a_file(tmp_path: Path) -> None:
+    values = 9.0 - ((np.indices((9, 9, 9)) - 4.0) ** 2).sum(axis=0)
+    np.save(tmp_path / "ball.npy", values)
+    of_array = isograde.extract(values, 0.0)
+    of_file = isograde.extract(tmp_path / "ball.npy", 0.0, method="trilinear-cubes")
+    assert len(of_array.simplices) == len(of_file.simplices) > 100
+    doubled = isograde.extract(values, 0.0, spacing=(2, 2, 2), origin=(1, 0, 0))
+    assert np.allclose(doubled.vertices, 2 * of_array.vertices + [1, 0, 0])
+    assert sorted(METHODS) == sorted(set(METHODS))
+    with pytest.raises(ValueError, match="did you mean asymptotic-decider"):
+        isograde.extract(values, 0.0, method="asymtotic-decider")
+    with pytest.raises(ValueError, match="its own spacing"):
+        isograde.extract(tmp_path / "ball.npy", 0.0, spacing=(1, 1, 1))
+
+
+@pytest.mark.slow
+def test_a_script_without_a_guard_is_graded_in_several_processes(tmp_path: Path) -> None:
+    """Processes do not run the caller's script again: no fork bomb, and each line printed once."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import isograde\n"
+        "from isoref.methods import extract\n"
+        "print('once')\n"
+        "def mine(values, isovalue, spacing):\n"
+        "    return extract(values, isovalue, spacing)\n"
+        "print(isograde.grade(mine, only=['cells/outside/*', 'topology.closed'], jobs=2).holds)\n",
+        encoding="utf-8",
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["once", "True"], done.stderr
+
+
+def test_names_of_functions_are_those_a_new_process_can_open() -> None:
+    with named(lambda values, isovalue, spacing: None) as spec:
+        assert spec.startswith("pickle:")
+        path = Path(spec.removeprefix("pickle:"))
+        assert path.is_file()
+    assert not path.exists()
+    with named("skimage:lewiner") as spec:
+        assert spec == "skimage:lewiner"

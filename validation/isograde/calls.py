@@ -1,0 +1,155 @@
+"""The grader from Python: `grade`, `check`, `compare` and `extract`, as `import isograde` has them.
+
+An implementation is a function ``extract(values, isovalue, spacing)`` (`isograde explain python`
+says more), or a name as the command takes it. A function of a notebook or of a script will do: it
+is sent with its code to the process in which it runs.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from isoref.field import Field
+from isoref.mesh import Mesh
+from isoref.methods import METHODS
+from numpy.typing import ArrayLike
+
+from isograde import checking, grading, progress
+from isograde.adapters.functions import Implementation, name_of, named
+from isograde.checking import Checked
+from isograde.commands.console import close_to
+from isograde.commands.volumes import stored_named
+from isograde.formats.reading import Asked
+from isograde.model import Limits
+from isograde.report import reading
+from isograde.results import Comparison, Grade
+from isograde.runner import Options, processors
+
+
+def grade(
+    implementation: Implementation,
+    *,
+    only: Sequence[str] = (),
+    full: bool = False,
+    seed: int = 0,
+    timeout: float = 30.0,
+    memory: int = 4096,
+    jobs: int | None = None,
+    strict: bool = False,
+    show_progress: bool | None = None,
+) -> Grade:
+    """What is true of an implementation, with the smallest case that breaks each claim.
+
+    Parameters
+    ----------
+    implementation : a function of samples, isovalue and spacing, or a name such as
+        "skimage:lewiner", "python:module:function", "exec:./program", "dir:folder"
+    only : ids of claims or cases, or globs of them; empty for all
+    full : every case, and many more in every way
+    seed : other numbers under the same ids
+    timeout, memory : seconds and megabytes a call may take
+    jobs : processes; by default as many as processors
+    strict : a promised claim without evidence counts as a failure
+    show_progress : by default on a terminal and in a notebook
+
+    Raises
+    ------
+    AdapterError
+        where the implementation does not start; `UnknownName`, which is one, where nothing has
+        this name.
+    NothingToRun
+        where no case and claim match `only`.
+
+    >>> found = grade("isoref:lorensen-cline", only=["pairs/0217", "topology.closed"])
+    >>> found.failures["topology.closed"][:35]
+    'pairs/0217: 4 edges inside the doma'
+    >>> found.holds
+    False
+    """
+    limits = Limits(timeout, memory)
+    options = Options(seed, full, tuple(only), limits, jobs or processors())
+    title = implementation if isinstance(implementation, str) else name_of(implementation)
+    with (
+        named(implementation) as spec,
+        tempfile.TemporaryDirectory(prefix="isograde-") as folder,
+        progress.progress(title, show_progress) as watch,
+    ):
+        path = Path(folder) / "report.jsonl"
+        return Grade(grading.grade(spec, options, path, watch=watch), strict)
+
+
+def check(implementation: Implementation, *, timeout: float = 10.0) -> Checked:
+    """What the call to an implementation does wrong, in a few seconds, with advice on each mistake.
+
+    >>> print(check("skimage:levine"))
+          error  no implementation 'skimage:levine'; did you mean skimage:lewiner?
+    """
+    with named(implementation) as spec:
+        return checking.check(spec, timeout)
+
+
+def compare(*implementations: Implementation | PathLike[str] | Grade, **options: Any) -> Comparison:
+    """Implementations side by side, the best first.
+
+    Each is a result of `grade`, the path of a report (a file, or the folder of one), or what
+    `grade` takes; it is then graded with these `options`. Raises what `grade` raises, and
+    `ReportError` for a file that is no report.
+
+    >>> compare("isoref:lorensen-cline", "isoref:asymptotic-decider", only=["pairs/0217"]).ranking
+    ['isoref:asymptotic-decider', 'isoref:lorensen-cline']
+    """
+    if not implementations:
+        raise TypeError("compare needs an implementation, a report, or several")
+    return Comparison(tuple(_graded(one, options) for one in implementations))
+
+
+def _graded(one: Implementation | PathLike[str] | Grade, options: dict[str, Any]) -> Grade:
+    """The result of what is one, the report of what is a path, or what grading finds."""
+    if isinstance(one, Grade):
+        return one
+    if isinstance(one, PathLike) or (isinstance(one, str) and Path(one).exists()):
+        path = Path(one)
+        return Grade(reading.read(path / "report.jsonl" if path.is_dir() else path))
+    return grade(one, **options)
+
+
+def extract(
+    volume: ArrayLike | str | PathLike[str],
+    isovalue: float,
+    *,
+    method: str = "asymptotic-decider",
+    spacing: Sequence[float] | None = None,
+    origin: Sequence[float] | None = None,
+) -> Mesh:
+    """The isosurface of a volume by one of the reference's methods.
+
+    Parameters
+    ----------
+    volume : samples (N1, N2, N3), the path of a file, or the name of a known data set
+    isovalue : a sample of at least this value is inside
+    method : a key of `isoref.METHODS`
+    spacing, origin : of an array; a file has its own
+
+    Raises
+    ------
+    ValueError
+        for an unknown method, or samples that are no field.
+    VolumeError
+        for a file that cannot be read, or a data set that is not here.
+
+    >>> import numpy as np
+    >>> x = np.indices((9, 9, 9)) - 4.0
+    >>> extract(9 - (x * x).sum(axis=0), 0.0).simplices.shape
+    (344, 3)
+    """
+    if method not in METHODS:
+        raise ValueError(f"no method {method!r}; {close_to(method, METHODS)}")
+    if not isinstance(volume, str | PathLike):
+        return METHODS[method](Field.of(volume, spacing, origin), isovalue)
+    if spacing is not None or origin is not None:
+        raise ValueError("a file has its own spacing and origin")
+    return METHODS[method](stored_named(str(volume), Asked()).field, isovalue)
