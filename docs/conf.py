@@ -32,6 +32,7 @@ CHAPTERS = {
         "dual_marching_cubes",
         "label_cubes",
         "marching_tetrahedra",
+        "attributes",
     ),
     "Where two isosurfaces meet": (
         "curves",

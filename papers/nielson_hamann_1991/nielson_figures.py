@@ -20,7 +20,7 @@ from isoref.cube import (
     inside,
 )
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles
-from isoref.fast.sweep import sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats, Integers
 from isoref.rule import Rule, Tile
 from matplotlib.axes import Axes
@@ -260,7 +260,8 @@ def figure_18() -> Figure:
 
 def torn_cells(field: Field, isovalue: float) -> Integers:
     """(n, 3) cells at a hole of the surface of 1987, off the border."""
-    mesh, cells = sweep_with_cells(lorensen_cline.RULE, field, isovalue)
+    mesh = sweep(lorensen_cline.RULE, field, isovalue, provenance=True)
+    cells = mesh.traced().cells
     owner = np.repeat(cells, 3)[loose_edges(mesh.simplices)]
     places = np.stack(np.unravel_index(owner, [s - 1 for s in field.shape]), axis=1)
     inner = ((places > 0) & (places < np.array(field.shape) - 2)).all(axis=1)
@@ -280,7 +281,7 @@ def surface(rule: Rule, field: Field, isovalue: float) -> Drawer:
 
     def draw(axes: Axes) -> None:
         """Paint the triangles, their edges, and the holes."""
-        mesh, _ = sweep_with_cells(rule, field, isovalue)
+        mesh = sweep(rule, field, isovalue)
         picture = Picture()
         last = np.array(field.shape) - 1
         for t in mesh.simplices:
@@ -420,7 +421,7 @@ def figure_7() -> Figure:
 
 def figure_17(field: Field, isovalue: float) -> Figure:
     """The isovalue surface of a skull: a CT head in place of the paper's, which is not public."""
-    mesh = sweep_with_cells(decider.RULE, field, isovalue)[0]
+    mesh = sweep(decider.RULE, field, isovalue, provenance=True)
     corners = mesh.vertices[mesh.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]

@@ -45,7 +45,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from isoref.fast.sweep import sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats
 from isoref.mesh import Mesh, in_space
 from isoref.rule import Rule
@@ -79,7 +79,8 @@ def extract(rule: Rule, field: Field, isovalue: float, criterion: Criterion = "s
     """
     if criterion not in get_args(Criterion):
         raise ValueError(f"no criterion {criterion!r}; there are {', '.join(get_args(Criterion))}")
-    mesh, cells = sweep_with_cells(rule, field, isovalue)
+    mesh = sweep(rule, field, isovalue, provenance=True)
+    cells = mesh.traced().cells
     if not len(cells):
         return mesh
     triangles = mesh.simplices.copy()

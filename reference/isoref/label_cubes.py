@@ -48,7 +48,7 @@ def labels(field: Field, isovalue: float) -> Field:
     return field.with_values(np.where(inside, 1, -1).astype(np.int8))
 
 
-def surface(field: Field, isovalue: float) -> Mesh:
+def surface(field: Field, isovalue: float, provenance: bool = False) -> Mesh:
     """The surface of the labels, in triangles, its normals from inside to outside.
 
     Raises
@@ -59,4 +59,5 @@ def surface(field: Field, isovalue: float) -> Mesh:
     >>> surface(Field.of([[[9, 0], [0, 0]], [[0, 0], [0, 0]]]), 1).vertices.tolist()
     [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]
     """
-    return sweep(RULE, labels(field, isovalue), 0.0)
+    mesh = sweep(RULE, labels(field, isovalue), 0.0, provenance=provenance)
+    return mesh.drawn_of(field)

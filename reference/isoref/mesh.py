@@ -58,6 +58,36 @@ def number_types(precision: str, vertices: int = 0) -> tuple[type[Any], type[Any
 
 
 @dataclass(frozen=True, eq=False)
+class Provenance:
+    """Where each vertex and each simplex of a mesh comes from, on the lattice of a field.
+
+    Samples and cells are named by their flat indices (C order), in the lattice of samples
+    (N1, .., Nn) and in that of cells (N1 - 1, .., Nn - 1).
+
+    Attributes
+    ----------
+    ends : (V, 2) the samples between which a vertex lies, the lower number first; the edge between
+        them is one of the lattice, or a diagonal where a method cuts cells into simplices. For a
+        vertex inside a cell, the cell's lowest sample and -1
+    t : (V,) where on that edge it lies, from 0 at the first end to 1 at the second; NaN inside a
+        cell
+    cells : (S,) the cell in which a simplex lies; -1 for simplices of a dual method, which lie
+        across a lattice edge and in the cells of their vertices
+    field : what the mesh was drawn of; its samples are held, not copied
+    """
+
+    ends: Integers
+    t: Floats
+    cells: Integers
+    field: Field
+
+    @classmethod
+    def empty(cls, field: Field) -> Provenance:
+        """That of no vertices and no simplices."""
+        return cls(np.empty((0, 2), np.int64), np.empty(0), np.empty(0, np.int64), field)
+
+
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """Simplices on shared vertices.
 
@@ -65,10 +95,12 @@ class Mesh:
     ----------
     vertices : (V, d) float64
     simplices : (S, k + 1) int64, rows of indices into `vertices`
+    provenance : where they come from, where it was asked for, else None
     """
 
     vertices: Floats
     simplices: Integers
+    provenance: Provenance | None = None
 
     @classmethod
     def of(cls, vertices: ArrayLike, simplices: ArrayLike) -> Mesh:
@@ -127,7 +159,19 @@ class Mesh:
         simplices = self.simplices
         if field.handedness < 0 and self.dimension > 0:
             simplices = np.concatenate([simplices[:, :-2], simplices[:, :-3:-1]], axis=1)
-        return replace(self, vertices=vertices, simplices=simplices)
+        return replace(self, vertices=vertices, simplices=simplices).drawn_of(field)
+
+    def drawn_of(self, field: Field) -> Mesh:
+        """The same mesh; its provenance, where it has one, names this field."""
+        if self.provenance is None:
+            return self
+        return replace(self, provenance=replace(self.provenance, field=field))
+
+    def traced(self) -> Provenance:
+        """The provenance, or a FieldError where it was not asked for."""
+        if self.provenance is None:
+            raise FieldError("this needs the mesh's provenance: extract it with provenance=True")
+        return self.provenance
 
     @property
     def dimension(self) -> int:
@@ -141,7 +185,7 @@ class Mesh:
         )
 
     def canonical(self) -> Mesh:
-        """The same oriented mesh, numbered independently of how it was made.
+        """The same oriented mesh, numbered independently of how it was made; no provenance.
 
         Vertices are sorted by position (those that coincide keep their order), each simplex
         starts at its smallest vertex and keeps its orientation, and simplices are sorted.

@@ -6,8 +6,10 @@ of triangles. `extract` is the same for whoever has an array and a name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
+from typing import Protocol
 
 from numpy.typing import ArrayLike
 
@@ -28,12 +30,22 @@ from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
 from isoref.field import Field, check_isovalue
 from isoref.marching_tetrahedra import Split
-from isoref.mesh import Mesh, Precision, in_space, number_types
+from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import check_volume
 from isoref.vesta import SIX_SURFACES
 
-Method = Callable[[Field, float], Mesh]
+
+class Method(Protocol):
+    """A function of a scalar field on a 3-D lattice and an isovalue.
+
+    With `provenance` its mesh says where vertices and triangles come from.
+    """
+
+    def __call__(self, field: Field, isovalue: float, *, provenance: bool = False) -> Mesh:
+        """The isosurface in triangles."""
+        ...
+
 
 RULES: dict[str, Rule] = {
     rule.name: rule
@@ -65,15 +77,16 @@ METHODS |= {name: partial(tetrahedra.surface, split) for name, split in SPLITS.i
 
 
 @in_space
-def _simplicial(field: Field, isovalue: float) -> Mesh:
+def _simplicial(field: Field, isovalue: float, *, provenance: bool = False) -> Mesh:
     """Min's surface of a volume, empty where the lattice has no cells."""
     from isoref.fast import simplicial  # Here, since SciPy takes a second to import.
 
     check_volume(field)
     if min(field.shape) < 2:
         check_isovalue(isovalue)
-        return Mesh.empty(3, 2)
-    return simplicial.extract(field, isovalue)
+        none = Provenance.empty(field) if provenance else None
+        return replace(Mesh.empty(3, 2), provenance=none)
+    return simplicial.extract(field, isovalue, provenance=provenance)
 
 
 METHODS |= {"simplicial": _simplicial}
@@ -88,6 +101,7 @@ def extract(
     precision: Precision = "double",
     *,
     directions: ArrayLike | None = None,
+    provenance: bool = False,
 ) -> Mesh:
     """The isosurface of an array, by the method of this name.
 
@@ -99,6 +113,8 @@ def extract(
     method : a name of `METHODS`
     precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
         libraries give, in half the memory
+    provenance : also say of each vertex on which edge it lies, and of each triangle in which cell
+        (`isoref.mesh.Provenance`); what can be made of it is in `isoref.attributes`
 
     Raises
     ------
@@ -115,6 +131,6 @@ def extract(
     number_types(precision)
     field = Field.of(values, spacing, origin, directions=directions)
     if method in RULES:
-        return sweep(RULES[method], field, isovalue, precision)
-    mesh = METHODS[method](field, isovalue)
+        return sweep(RULES[method], field, isovalue, precision, provenance)
+    mesh = METHODS[method](field, isovalue, provenance=provenance)
     return mesh if precision == "double" else mesh.in_precision(precision)

@@ -65,7 +65,7 @@ from isoref.curves import Curve, check_pair, curves_through, follow
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule
-from isoref.sweep import sweep_with_cells
+from isoref.sweep import sweep
 
 Point = tuple[Fraction, Fraction, Fraction]
 Triangle = Sequence[Point]
@@ -114,8 +114,8 @@ def enhanced_marching_cubes(
     a triangle, in order, from which I_T follows: "it could be implemented by hash-tables in order
     to reduce the memory requirement" (section 9).
     """
-    mesh, cells = sweep_with_cells(rule, field, isovalue)
-    return IndexedSurface(mesh, cells, tuple(max(n - 1, 0) for n in field.shape))
+    mesh = sweep(rule, field, isovalue, provenance=True)
+    return IndexedSurface(mesh, mesh.traced().cells, tuple(max(n - 1, 0) for n in field.shape))
 
 
 # --------------------------------------------------------------------------------------------

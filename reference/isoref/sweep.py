@@ -39,6 +39,8 @@ References
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, axis_of
@@ -46,12 +48,11 @@ from isoref.field import (
     Field,
     FieldError,
     Floats,
-    Integers,
     check_isovalue,
     check_straight,
     inside_samples,
 )
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.rule import Rule
 
 #: The least positive float.
@@ -62,7 +63,7 @@ Name = tuple[int, ...]
 
 
 @in_space
-def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
+def sweep(rule: Rule, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
     """The rule's surface of a volume, its normals from high values to low ones.
 
     Parameters
@@ -70,6 +71,7 @@ def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
     rule : what a cell does, as in `isoref.methods.RULES`
     field : one value a sample on a lattice (N1, N2, N3)
     isovalue : in the unit of the samples
+    provenance : also say where vertices and triangles come from (`isoref.mesh.Provenance`)
 
     Returns
     -------
@@ -87,15 +89,6 @@ def sweep(rule: Rule, field: Field, isovalue: float) -> Mesh:
     >>> sweep(lorensen_cline.RULE, corner, 0.5).vertices.tolist()
     [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]]
     """
-    return sweep_with_cells(rule, field, isovalue)[0]
-
-
-def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
-    """The rule's surface, and for each of its T triangles the cell it lies in.
-
-    Parameters and errors are those of `sweep`. The second result, (T,), names a cell by its flat
-    index in the lattice of cells, (N1-1) x (N2-1) x (N3-1); it never falls.
-    """
     check_volume(field)
     alpha = check_isovalue(isovalue)
     inside = inside_samples(field, alpha).reshape(field.shape)
@@ -103,6 +96,8 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
     relative[(relative >= 0) & ~inside] = -LEAST  # whole numbers that a float rounds up to alpha
     vertices: list[Floats] = []
     number: dict[Name, int] = {}
+    ends: list[tuple[int, int]] = []
+    parameters: list[float] = []
     triangles: list[list[int]] = []
     cells: list[int] = []
 
@@ -127,15 +122,37 @@ def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, I
             if names[node] not in number:
                 number[names[node]] = len(vertices)
                 vertices.append(field.position(cell + place))
+                ends.append(ends_of(field, cell, node))
+                parameters.append(place[axis_of(node)] if node < 12 else np.nan)
 
         # Copy the triangles.
         for triangle in tile.triangles:
             triangles.append([number[names[node]] for node in triangle])
             cells.append(k)
 
-    if not triangles:
-        return Mesh.empty(3, 2), np.empty(0, np.int64)
-    return Mesh.of(vertices, triangles), np.array(cells, np.int64)
+    mesh = Mesh.of(vertices, triangles) if triangles else Mesh.empty(3, 2)
+    if not provenance:
+        return mesh
+    pairs = np.array(ends, np.int64).reshape(-1, 2)
+    owners = np.array(cells, np.int64)
+    return replace(mesh, provenance=Provenance(pairs, np.array(parameters), owners, field))
+
+
+def ends_of(field: Field, cell: Cell, node: int) -> tuple[int, int]:
+    """The flat indices of the samples between which a node of a cell lies, as in `Provenance`.
+
+    >>> ends_of(Field.of(np.zeros((2, 2, 3))), (0, 0, 1), 4), ends_of(
+    ...     Field.of(np.zeros((2, 2, 3))), (0, 0, 1), 12
+    ... )
+    ((1, 4), (1, -1))
+    """
+    if node >= 12:
+        return int(np.ravel_multi_index(cell, field.shape)), -1
+    low, high = (
+        int(np.ravel_multi_index(tuple(cell + CORNER_OFFSETS[c]), field.shape))
+        for c in EDGE_CORNERS[node]
+    )
+    return low, high
 
 
 def lattice_edge(cell: Cell, e: int) -> Name:

@@ -6,7 +6,7 @@ from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 from isoref import asymptotic_decider, trilinear_cubes
 from isoref.diagonals import Criterion, extract, smallest_angle, smoothness
-from isoref.fast.sweep import sweep, sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Field
 from isoref.rule import Rule
 
@@ -49,7 +49,8 @@ def test_no_two_triangles_cross(criterion: Criterion) -> None:
 def test_edges_on_faces_between_cells_stay() -> None:
     """Only edges inside a cell come and go: each cell keeps its boundary."""
     field = noise(2)
-    mesh, cells = sweep_with_cells(asymptotic_decider.RULE, field, 0.0)
+    mesh = sweep(asymptotic_decider.RULE, field, 0.0, provenance=True)
+    cells = mesh.traced().cells
     turned = extract(asymptotic_decider.RULE, field, 0.0)
     changed = 0
     for cell in np.unique(cells):

@@ -105,7 +105,6 @@ def test_what_works_on_straight_lattices_alone_says_so() -> None:
     """Nothing draws in a wrong place in silence."""
     field = Field.of_affine(np.random.default_rng(3).normal(size=(4, 4, 4)), AFFINE)
     for refuses in (
-        lambda: plain_sweep.sweep_with_cells(RULES["asymptotic-decider"], field, 0.1),
         lambda: plain_dual.quads(surface_nets.RULE, field, 0.1),
         lambda: vesta.extract(field, 0.1),
         lambda: fast_vesta.extract(field, 0.1),

@@ -10,7 +10,6 @@ from isoref.sweep import (
     crossing_parameter,
     lattice_edge,
     sweep,
-    sweep_with_cells,
 )
 
 
@@ -32,7 +31,8 @@ def test_there_is_one_vertex_on_each_crossed_lattice_edge() -> None:
 def test_each_triangle_names_the_cell_it_lies_in() -> None:
     """In C order over the cells."""
     values = np.random.default_rng(3).normal(size=(3, 4, 5))
-    mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 0.0)
+    mesh = sweep(RULES["asymptotic-decider"], Field.of(values), 0.0, provenance=True)
+    cells = mesh.traced().cells
     assert len(cells) == len(mesh.simplices) > 30
     assert np.all(np.diff(cells) >= 0)
     low = np.stack(np.unravel_index(cells, (2, 3, 4)), axis=1)[:, None]

@@ -17,7 +17,7 @@ from isograde.proof import prove
 from isoref import trilinear_cubes as tc
 from isoref.cube import CORNERS, EDGES, ambiguous_faces
 from isoref.cycles import cycles, share_face
-from isoref.fast.sweep import sweep, sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from isoref.rule import Tile
@@ -369,7 +369,7 @@ def grids_agree(number: int, size: int, seed: int) -> int:
     for _ in range(number):
         values = rng.uniform(-1, 1, (size,) * 3)
         truth = grid(values)
-        mesh, _ = sweep_with_cells(tc.RULE, Field.of(values), 0.0)
+        mesh = sweep(tc.RULE, Field.of(values), 0.0)
         counts = edge_counts(mesh.simplices)
         assert counts.max() == 2
         assert len(mesh.vertices) - len(counts) + len(mesh.simplices) == truth.euler

@@ -13,29 +13,43 @@ slot        of a vertex: a place among all vertices; those of a cell follow one 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.dual import ROUND, DualRule, in_triangles
 from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 
 @in_space
-def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
-    """The rule's surface in triangles; see `isoref.dual.surface`."""
-    return in_triangles(*quads(rule, field, isovalue))
+def surface(rule: DualRule, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
+    """The rule's surface in triangles; see `isoref.dual.surface`.
+
+    Besides, `provenance` says of each vertex in which cell it is (`isoref.mesh.Provenance`).
+    """
+    vertices, rows, cells = _drawn(rule, field, isovalue)
+    mesh = in_triangles(vertices, rows)
+    if not provenance:
+        return mesh
+    ends = np.stack([cells, np.full(len(cells), -1)], axis=1)
+    inside, across = np.full(len(cells), np.nan), np.full(len(mesh.simplices), -1)
+    return replace(mesh, provenance=Provenance(ends, inside, across, field))
 
 
 def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers]:
     """The rule's surface in quadrilaterals; see `isoref.dual.quads`."""
+    return _drawn(rule, field, isovalue)[:2]
+
+
+def _drawn(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers, Integers]:
+    """Vertices and quadrilaterals, and the lowest sample of each vertex's cell."""
     check_volume(field)
     alpha = check_isovalue(isovalue)
     if min(field.shape) < 2:
-        return np.empty((0, 3)), np.empty((0, 4), np.int64)
+        return np.empty((0, 3)), np.empty((0, 4), np.int64), np.empty(0, np.int64)
     inside = np.ascontiguousarray(inside_samples(field, alpha))
     cells = _Cells.of(rule, inside)
     tables = _Tables.of(rule, cells.keys)
@@ -50,7 +64,7 @@ def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Intege
             total[edges.axis] += share
         rows.append(_rows(edges, corners, inside))
     vertices = _placed(field, cells, tables, total)
-    return vertices, np.concatenate(rows)
+    return vertices, np.concatenate(rows), np.repeat(cells.points, count)
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,15 @@ edge        a crossed edge as one number: 27 * its lower lattice point + 9 (i + 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS
 from isoref.fast.dual import cell_signs
 from isoref.field import Booleans, Field, Floats, Integers, check_isovalue, inside_samples
 from isoref.marching_tetrahedra import Split, section
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 _STEP = np.array([9, 3, 1])
@@ -27,19 +29,26 @@ _MIDDLE = int(_STEP.sum())
 
 
 @in_space
-def surface(split: Split, field: Field, isovalue: float) -> Mesh:
-    """The level set of the split's interpolant; see `isoref.marching_tetrahedra.surface`."""
+def surface(split: Split, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
+    """The level set of the split's interpolant; see `isoref.marching_tetrahedra.surface`.
+
+    Besides, `provenance` says where vertices and triangles are (`isoref.mesh.Provenance`).
+    """
     check_volume(field)
     alpha = check_isovalue(isovalue)
     if min(field.shape) < 2:
-        return Mesh.empty(3, 2)
+        none = Provenance.empty(field) if provenance else None
+        return replace(Mesh.empty(3, 2), provenance=none)
     inside = inside_samples(field, alpha)
-    edges, triangles = np.unique(_edges(split, inside), return_inverse=True)
-    return Mesh(_place(field, alpha, inside, edges), triangles.reshape(-1, 3))
+    rows, cells = _edges(split, inside)
+    edges, triangles = np.unique(rows, return_inverse=True)
+    vertices, ends, t = _place(field, alpha, inside, edges)
+    found = Provenance(ends, t, cells, field) if provenance else None
+    return Mesh(vertices, triangles.reshape(-1, 3), found)
 
 
-def _edges(split: Split, inside: Booleans) -> Integers:
-    """The three edges of each triangle, (T, 3), in the order of the cells."""
+def _edges(split: Split, inside: Booleans) -> tuple[Integers, Integers]:
+    """The three edges of each triangle, (T, 3), in the order of the cells; their cells, (T,)."""
     signs = cell_signs(inside)
     cell = np.nonzero((signs != 0) & (signs != 255))
     place = np.zeros(len(cell[0]), np.int64)
@@ -61,7 +70,8 @@ def _edges(split: Split, inside: Booleans) -> Integers:
     owner = np.repeat(np.arange(len(keys)), own)
     row = np.arange(len(owner)) - np.repeat(np.cumsum(own) - own - start[keys], own)
     points = np.ravel_multi_index(cell, inside.shape)
-    return np.asarray(rows[row] + 27 * points[owner, None])
+    cells = np.ravel_multi_index(cell, signs.shape)[owner]
+    return np.asarray(rows[row] + 27 * points[owner, None]), np.asarray(cells)
 
 
 def _tile(split: Split, key: int, strides: Integers) -> Integers:
@@ -75,8 +85,10 @@ def _tile(split: Split, key: int, strides: Integers) -> Integers:
     return np.asarray(27 * numbers.min(axis=-1) + steps @ _STEP + _MIDDLE)
 
 
-def _place(field: Field, alpha: float, inside: Booleans, edges: Integers) -> Floats:
-    """Where the edges are crossed, (V, 3)."""
+def _place(
+    field: Field, alpha: float, inside: Booleans, edges: Integers
+) -> tuple[Floats, Integers, Floats]:
+    """Where the edges are crossed, (V, 3), between which samples, (V, 2), and where on them."""
     shape = np.array(field.shape)
     points, code = np.divmod(edges, 27)
     ends = np.empty((2, len(edges), 3), np.int64)
@@ -92,4 +104,5 @@ def _place(field: Field, alpha: float, inside: Booleans, edges: Integers) -> Flo
     t = crossing_parameter(
         flat[low].astype(np.float64) - alpha, flat[high].astype(np.float64) - alpha
     )
-    return field.position(start + t[:, None] * step)
+    along = np.where(turned, 1 - t, t)
+    return field.position(start + t[:, None] * step), numbers.T, along

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from isoref import asymptotic_decider
 from isoref import surface_intersection as article
 from isoref.curves import Curve, check_pair, follow
-from isoref.fast.sweep import sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.rule import Rule
 from isoref.surface_intersection import IndexedSurface, Segments, curves_along, rational
@@ -34,8 +34,8 @@ def enhanced_marching_cubes(
     field: Field, isovalue: float, rule: Rule = asymptotic_decider.RULE
 ) -> IndexedSurface:
     """The rule's surface with I_T; see `isoref.surface_intersection.enhanced_marching_cubes`."""
-    mesh, cells = sweep_with_cells(rule, field, isovalue)
-    return IndexedSurface(mesh, cells, tuple(max(n - 1, 0) for n in field.shape))
+    mesh = sweep(rule, field, isovalue, provenance=True)
+    return IndexedSurface(mesh, mesh.traced().cells, tuple(max(n - 1, 0) for n in field.shape))
 
 
 def candidate_pairs(first: IndexedSurface, second: IndexedSurface) -> tuple[Integers, Integers]:

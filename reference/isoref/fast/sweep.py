@@ -29,14 +29,15 @@ key         of a cell: signs + 256 * decisions; it names a tile
 group       the keys whose tiles have as many triangles, and interior points or none
 
 Weld rule: two triangles share a vertex when they cross the same lattice edge, and only then.
-Triangles come slab by slab, within a slab group by group; `sweep_with_cells` sorts them by cells.
+Triangles come slab by slab, within a slab group by group; where provenance is asked for they are
+sorted by cells.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -48,7 +49,7 @@ from numpy.typing import NDArray
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
 from isoref.cycles import Triangle
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
-from isoref.mesh import Mesh, Precision, in_space, number_types
+from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Average, Rule, Tile
 from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
@@ -63,19 +64,19 @@ PART_CELLS = 3 << 13
 
 
 @in_space
-def sweep(rule: Rule, field: Field, isovalue: float, precision: Precision = "double") -> Mesh:
+def sweep(
+    rule: Rule,
+    field: Field,
+    isovalue: float,
+    precision: Precision = "double",
+    provenance: bool = False,
+) -> Mesh:
     """The rule's surface; see `isoref.sweep.sweep`.
 
     Besides, `precision` says what the arrays of the mesh are made of: float64 and int64, or, in
     half the memory, float32 and int32. Positions are computed in double precision and rounded last.
     """
-    return _Sweep(rule, field, isovalue, precision, with_cells=False).mesh()
-
-
-def sweep_with_cells(rule: Rule, field: Field, isovalue: float) -> tuple[Mesh, Integers]:
-    """The rule's surface and the cells of its triangles; see `isoref.sweep.sweep_with_cells`."""
-    made = _Sweep(rule, field, isovalue, "double", with_cells=True)
-    return made.mesh(), made.cells.finished()
+    return _Sweep(rule, field, isovalue, precision, provenance).mesh()
 
 
 # --- What is known of a rule -------------------------------------------------------------------
@@ -446,13 +447,13 @@ class _Sweep:
     """One passage through a volume: what a slab needs to know of the one before, and the mesh."""
 
     def __init__(
-        self, rule: Rule, field: Field, isovalue: float, precision: Precision, with_cells: bool
+        self, rule: Rule, field: Field, isovalue: float, precision: Precision, traced: bool
     ) -> None:
         check_volume(field)
         self.isovalue = check_isovalue(isovalue)
         self.precision = precision
         real, whole = number_types(precision)
-        self.field, self.tiles, self.with_cells = field, _tiles(rule), with_cells
+        self.field, self.tiles, self.traced = field, _tiles(rule), traced
         self.values = field.values.reshape(field.shape)
         self.level = least_inside(field.values.dtype, self.isovalue)
         self.lattice = _lattice(*field.shape[1:])
@@ -460,7 +461,9 @@ class _Sweep:
         self.steps: list[Integers] = []
         self.vertices = _Growing(3, real, 1 << 12)
         self.triangles = _Growing(3, whole, 1 << 13)
-        self.cells = _Growing(0, np.int64, 1 << 13 if with_cells else 0)
+        self.cells = _Growing(0, np.int64, 1 << 13 if traced else 0)
+        self.ends = _Growing(2, np.int64, 1 << 12 if traced else 0)
+        self.along = _Growing(0, np.float64, 1 << 12 if traced else 0)
         self.deferred: list[_Deferred] = []
         if min(field.shape) >= 2:
             self._run()
@@ -469,7 +472,11 @@ class _Sweep:
     def mesh(self) -> Mesh:
         """The mesh of all slabs."""
         number_types(self.precision, self.vertices.size)
-        return Mesh(self.vertices.finished(), self.triangles.finished())
+        mesh = Mesh(self.vertices.finished(), self.triangles.finished())
+        if not self.traced:
+            return mesh
+        arrays = self.ends.finished(), self.along.finished(), self.cells.finished()
+        return replace(mesh, provenance=Provenance(*arrays, self.field))
 
     def _run(self) -> None:
         """Pass through the volume, slab by slab."""
@@ -529,7 +536,7 @@ class _Sweep:
                 part = _Part(first, planes, low, high, samples.reshape(-1))
                 self._make_crossings(part, edges)
                 self._make_cells(part, _between(cells, low * plane, high * plane))
-                for array in (self.vertices, self.triangles, self.cells):
+                for array in (self.vertices, self.triangles, self.cells, self.ends, self.along):
                     array.foresee((first + high) / (self.field.shape[0] - 1))
 
         # The last plane is the first one of the next slab.
@@ -638,6 +645,8 @@ class _Sweep:
             at[ends[axis] : ends[axis + 1]] += self.lattice.sample_steps[axis]
         t = crossing_parameter(below, self._relative(_take(part.samples, at)))
         self._remember(t)
+        if self.traced:
+            self._trace(part, edges.samples(), at, t)
 
         # Write the positions.
         out = self.vertices.more(len(t))
@@ -692,6 +701,14 @@ class _Sweep:
             self.parameters = longer
         self.parameters[start : start + len(t)] = t
 
+    def _trace(self, part: _Part, low: Integers, high: Integers | int, t: Floats | float) -> None:
+        """Say of new vertices between which samples of the slab they lie, and where."""
+        before = part.first * int(self.lattice.sample_steps[0])
+        ends = self.ends.more(len(low))
+        ends[:, 0] = low + before
+        ends[:, 1] = high + before if isinstance(high, np.ndarray) else high
+        self.along.more(len(low))[:] = t
+
     def _relative(self, samples: Array) -> Floats:
         """Samples minus the isovalue, negative where they are outside."""
         values: Floats = samples.astype(np.float64)
@@ -738,7 +755,7 @@ class _Sweep:
             own = out[filled : filled + n * width // 3]
             filled += len(own)
             np.add(found, self.offset, out=own.reshape(n, width))
-            if self.with_cells:
+            if self.traced:
                 owners.append(np.repeat(rows, width // 3))
         if owners:
             self._sort(part.first, cells, np.concatenate(owners), begun)
@@ -805,6 +822,8 @@ class _Sweep:
         end = np.cumsum(own)
         inner = end - own + self.vertices.size
         out = self.vertices.more(int(end[-1]))
+        if self.traced:
+            self._trace(part, np.repeat(cells.samples(rows), own), -1, np.nan)
         node = self.tables.groups[number].nodes.take(
             _take(self.tables.row, key), axis=0, mode="clip"
         )

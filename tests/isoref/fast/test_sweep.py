@@ -13,13 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from isoref.fast.sweep import sweep, sweep_with_cells
+from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, FieldError
 from isoref.mesh import Mesh, number_types
 from isoref.methods import RULES
 from isoref.rule import Rule, Tile
 from isoref.sweep import sweep as sweep_plain
-from isoref.sweep import sweep_with_cells as sweep_plain_with_cells
 
 Carry = Callable[[Rule, Field, float], Mesh]
 
@@ -98,9 +97,11 @@ def test_both_sweeps_agree_on_any_volume(seed: int) -> None:
         PART_CELLS=int(rng.choice([1, 20, 1 << 15])),
         CHUNK_POINTS=int(rng.choice([1, 64, 1 << 17])),
     ):
-        fast, cells = sweep_with_cells(rule, field, isovalue)
+        fast = sweep(rule, field, isovalue, provenance=True)
+        cells = fast.traced().cells
         free = sweep(rule, field, isovalue)
-    plain, same_cells = sweep_plain_with_cells(rule, field, isovalue)
+    plain = sweep_plain(rule, field, isovalue, provenance=True)
+    same_cells = plain.traced().cells
     assert np.array_equal(cells, same_cells)
     assert len(fast.vertices) == len(free.vertices) == len(plain.vertices)
     assert sorted(corners(fast)) == sorted(corners(free)) == sorted(corners(plain))
@@ -168,7 +169,8 @@ def test_a_volume_of_more_than_2_to_the_31_samples_is_right_where_numbers_are_la
     line[at + 1 :] = 4
     values = np.broadcast_to(line[:, None, None], (len(line), 64, 64))
     assert values.size > 1 << 31
-    mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 1.0)
+    mesh = sweep(RULES["asymptotic-decider"], Field.of(values), 1.0, provenance=True)
+    cells = mesh.traced().cells
     assert (len(mesh.vertices), len(mesh.simplices)) == (64 * 64, 2 * 63 * 63)
     assert (mesh.vertices[:, 0] == at + 0.25).all()
     assert np.array_equal(np.unique(mesh.vertices[:, 1:]), np.arange(64))
@@ -179,7 +181,7 @@ def test_the_numbers_of_vertices_may_pass_2_to_the_31(monkeypatch: pytest.Monkey
     """A slab numbers its vertices from the slab before on, so only the mesh has large numbers."""
     monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", 200)
     field, rule = Field.of(np.random.default_rng(5).normal(size=(9, 7, 8))), RULES["lorensen-cline"]
-    made = isoref.fast.sweep._Sweep(rule, field, 0.1, "double", with_cells=False)
+    made = isoref.fast.sweep._Sweep(rule, field, 0.1, "double", traced=False)
     assert made.vertex_of.dtype == np.int32
     assert made.offset > 0
     assert made.triangles.array.dtype == np.int64
@@ -235,13 +237,17 @@ def test_tiles_are_asked_for_once() -> None:
 
 
 def test_triangles_come_in_the_order_of_their_cells() -> None:
-    """`sweep_with_cells` names for each triangle the cell that holds its vertices."""
+    """The provenance names for each triangle the cell that holds its vertices."""
     values = np.random.default_rng(3).normal(size=(5, 4, 6))
-    mesh, cells = sweep_with_cells(RULES["asymptotic-decider"], Field.of(values), 0.0)
+    mesh = sweep(RULES["asymptotic-decider"], Field.of(values), 0.0, provenance=True)
+    cells = mesh.traced().cells
     assert len(cells) > 100
     assert np.all(np.diff(cells) >= 0)
     assert np.array_equal(
-        cells, sweep_plain_with_cells(RULES["asymptotic-decider"], Field.of(values), 0.0)[1]
+        cells,
+        sweep_plain(RULES["asymptotic-decider"], Field.of(values), 0.0, provenance=True)
+        .traced()
+        .cells,
     )
     low = np.stack(np.unravel_index(cells, (4, 3, 5)), axis=1)[:, None]
     points = mesh.vertices[mesh.simplices]
