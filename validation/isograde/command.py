@@ -6,6 +6,7 @@ implementation did not start, 4 nothing was judged that could have failed.
 
 from __future__ import annotations
 
+import math
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -90,6 +91,13 @@ def isograde_(
         raise typer.Exit
 
 
+def _finite(value: float) -> float:
+    """The number of seconds; a usage error for one that never ends."""
+    if not math.isfinite(value):
+        raise typer.BadParameter(f"{value} is no number of seconds that ends; write 3600 for long")
+    return value
+
+
 GRADE_HELP = "python:module:function, exec:command, dir:path, or a ready-made name (list them)."
 Spec = Annotated[str, typer.Argument(metavar="IMPLEMENTATION", help=GRADE_HELP)]
 
@@ -112,7 +120,9 @@ def grade(
     only: Annotated[
         list[str] | None, typer.Option(metavar="GLOB", help="Claims or cases with such an id.")
     ] = None,
-    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 30.0,
+    timeout: Annotated[
+        float, typer.Option(min=0.01, callback=_finite, help="Seconds a call may take.")
+    ] = 30.0,
     memory: Annotated[int, typer.Option(min=16, help="Megabytes it may hold.")] = 4096,
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Processes; by default as many as processors.")
@@ -145,7 +155,9 @@ def grade(
 @app.command(name="check")
 def check_(
     implementation: Spec,
-    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 10.0,
+    timeout: Annotated[
+        float, typer.Option(min=0.01, callback=_finite, help="Seconds a call may take.")
+    ] = 10.0,
 ) -> None:
     """Try the adapter in a few seconds, with advice on each mistake and a declaration to paste."""
     from isograde.commands import checking

@@ -87,7 +87,7 @@ def ball(kind: Kind = SURFACES) -> Field:
 
     The k-sphere in which they meet lies in the first k + 1 axes.
     """
-    centre = _centre(kind.n)
+    centre = centre_of(kind.n)
     places = np.indices(SHAPE[: kind.n], dtype=float) - np.expand_dims(
         centre, tuple(range(1, kind.n + 1))
     )
@@ -98,7 +98,7 @@ def ball(kind: Kind = SURFACES) -> Field:
     return Field.of(np.stack([high, *places[kind.k + 1 :]]), spacing, dimension=kind.n)
 
 
-def _centre(n: int) -> Values:
+def centre_of(n: int) -> Values:
     """The centre of the ball, in samples."""
     return (np.array(SHAPE[:n]) - 1) / 2 + SHIFTS[:n]
 
@@ -109,7 +109,7 @@ def frame(outcome: Outcome, field: Field) -> tuple[Axes | None, Units | None]:
     vertices = _points(outcome, n)
     if vertices is None:
         return None, None
-    centre, reach = _centre(n), np.zeros(n)
+    centre, reach = centre_of(n), np.zeros(n)
     reach[: n - field.components + 1] = RADIUS
     target = np.stack([centre - reach, centre + reach])
     orders: tuple[Axes, ...] = ("array", "reversed")
@@ -137,7 +137,7 @@ def facing(outcome: Outcome, field: Field, axes: Axes, units: Units) -> Normals 
     corners = _index(vertices, field, axes, units)[rows]
     # Put the edges of each simplex after the negated gradients at its middle.
     frames = np.zeros((len(rows), n, n))
-    frames[:, 0] = corners.mean(axis=1) - _centre(n)
+    frames[:, 0] = corners.mean(axis=1) - centre_of(n)
     frames[:, range(1, m), range(n - m + 1, n)] = -1.0
     frames[:, m:] = corners[:, 1:] - corners[:, :1]
     signed = np.linalg.det(frames)
@@ -180,7 +180,7 @@ def with_nan(ask: Ask, kind: Kind = SURFACES) -> Literal["raises", "answers"]:
     """What a sample that is not a number does, beside the level set."""
     field = ball(kind)
     values = field.values.copy()
-    near = tuple(int(x) for x in _centre(kind.n).round())
+    near = tuple(int(x) for x in centre_of(kind.n).round())
     at: tuple[Any, ...] = (..., *near)
     values[at] = np.nan
     asked = Field(values, field.spacing, field.origin)

@@ -79,17 +79,24 @@ def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
 def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) -> None:
     """Each of the smallest declared kinds is tried; `checked` has the declaration to paste."""
     kinds = sorted((Kind(*kind) for kind in declaration.limits.kinds), key=_size)
-    told = declaration
+    told, nowhere = declaration, False
     for kind in kinds[:KINDS_TRIED]:
         trial = Try(adapter, declaration, kind)
         checked.add(trial.calls(), f"{kind}: the calls")
         if trial.answered:
-            checked.add(small_cases(adapter, declaration, kind), f"{kind}: small cases")
+            checked.add(trial.cells(), f"{kind}: single cells")
             told = trial.told(told)
+            nowhere = nowhere or trial.misplaced
+            if trial.measured is not None and not trial.misplaced:
+                known = trial.rows_right or trial.rows_wrong
+                rows = trial.rows_right if known else None
+                found = small_cases(adapter, told, kind, declaration, rows, trial.within)
+                checked.add(found, f"{kind}: small cases")
     if len(kinds) > KINDS_TRIED:
         left = len(kinds) - KINDS_TRIED
         checked.advice.append((Verdict.SKIP, f"{left} more kinds that it declares were not tried"))
-    checked.paste = paste(told)
+    # Where a surface is not in its place, no declaration helps.
+    checked.paste = "" if nowhere else paste(told)
 
 
 def _size(kind: Kind) -> tuple[bool, int, int]:

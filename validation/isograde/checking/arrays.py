@@ -58,3 +58,29 @@ def rows_of(outcome: Outcome) -> Array:
     """The simplices of an answer that has them."""
     assert outcome.simplices is not None
     return outcome.simplices
+
+
+def doubled(outcome: Outcome, kind: Kind) -> Iterator[str]:
+    """Simplices that are there more than once, corners at the same place counting as one."""
+    vertices = outcome.vertices
+    assert vertices is not None
+    _, place = np.unique(vertices.astype(float).round(6), axis=0, return_inverse=True)
+    simplices = np.sort(place.reshape(-1)[rows_of(outcome)], axis=1)
+    unique, where, counts = np.unique(simplices, axis=0, return_inverse=True, return_counts=True)
+    if counts.max() < 2:
+        return
+    twice = int((counts > 1).sum())
+    word = {1: "segment", 2: "triangle"}.get(kind.k, "row")
+    every = f"every {word} is" if twice == len(unique) else f"{twice} of {len(unique)} {word}s are"
+    rows = place.reshape(-1)[rows_of(outcome)]
+    first, second = rows[where.reshape(-1) == counts.argmax()][:2]
+    ways = "both ways round" if _turned(first, second) else "the same way round"
+    count = int(counts.max())
+    yield f"{every} there {count} times, {ways}: are both sides drawn, or cells twice?"
+
+
+def _turned(one: Array, other: Array) -> bool:
+    """Whether one of two rows of the same corners is an odd permutation of the other."""
+    order = [int(np.flatnonzero(one == corner)[0]) for corner in other]
+    odd = sum(a > b for i, a in enumerate(order) for b in order[i + 1 :]) % 2
+    return bool(odd)

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from dataclasses import field as fresh
 from typing import Any
 
 import numpy as np
-from isoref.field import Field
+from isoref.field import Field, Floats
 from numpy.typing import NDArray
 
+from isograde.adapters.conventions import to_house
 from isograde.adapters.measure import Measured, ball, levels, measure
 from isograde.adapters.process import ProcessAdapter
-from isograde.checking.arrays import malformed, rows_of, same
+from isograde.checking.arrays import doubled, malformed, rows_of, same
 from isograde.checking.checked import Advice
-from isograde.checking.limits import other_fields, told_limits
-from isograde.checking.places import misplaced
-from isograde.checking.words import WORDS, exact, said_more, words_of
+from isograde.checking.limits import TRIED, Within
+from isograde.checking.places import level_at, misplaced, shifted
+from isograde.checking.rows import NO_CELL, rows_told
+from isograde.checking.spans import NEAR, Span, inset, spans, spans_told, stretch
+from isograde.checking.words import WORDS, exact, index_of, said_more, words_of
 from isograde.declaration import Declaration, declaration_from, declaration_json
 from isograde.model import SURFACES, Kind, Outcome, Request, Status, Verdict
 
@@ -59,21 +62,31 @@ class Try:
     """One kind of answer, tried.
 
     answered : a field was answered with arrays that can be looked at
-    asked : the field that was answered
+    misplaced : the surface is not where it should be, in no order of the axes, scaled or not
+    within : the limits under which it was, as they were found out
+    steady : asked twice, it gave the same arrays
+    rows_right, rows_wrong : each configuration of a cell, asked alone, is answered rightly, or some
+        is not; neither where cells are not asked alone
     """
 
     adapter: ProcessAdapter
     declaration: Declaration
     kind: Kind
     answered: bool = False
-    asked: Field | None = None
+    misplaced: bool = False
+    steady: bool = True
+    rows_right: bool = False
+    rows_wrong: bool = False
+    within: Within = fresh(default_factory=Within)
+    plain: Outcome | None = None
     measured: Measured | None = None
     words: dict[str, Any] = fresh(default_factory=dict)
-    limits: dict[str, Any] = fresh(default_factory=dict)
 
     def ask(self, field: Field, isovalues: tuple[float, ...]) -> Outcome:
-        """The outcome of one call, its answer as it came."""
-        return self.adapter.answer(Request("check", "plain", field, isovalues))
+        """The outcome of one call within the limits, its answer as it came."""
+        if self.within.whole and not np.isfinite(field.values).all():
+            return Outcome(Status.DECLINED, detail=f"no {self.within.type} is NaN")
+        return self.adapter.answer(Request("check", "plain", *self.within.pose(field, isovalues)))
 
     def calls(self) -> Iterator[Advice]:
         """What a handful of calls shows, the plain one first."""
@@ -88,30 +101,34 @@ class Try:
         milliseconds = 1000 * plain.seconds
         count = len(rows_of(plain))
         yield Verdict.PASS, f"{self.kind}: {count} simplices in {milliseconds:.1f} ms"
-        if self.limits:
-            return  # What follows asks plain fields, which it does not take.
-        yield from self._conventions(plain)
-        yield from self._presentations(plain)
         yield from self._manners(plain)
+        twice = list(doubled(plain, self.kind))
+        yield from ((Verdict.FAIL, told) for told in twice)
+        self.rows_wrong = bool(twice)
+        yield from self._conventions(plain)
+        if self.steady:
+            yield from self._presentations()
+        else:
+            told = f"{self.kind}: layouts and types were not compared: no two answers are alike"
+            yield Verdict.SKIP, told
 
     def _plain(self) -> Generator[Advice, None, Outcome | None]:
         """Yields why plain fields are not answered; returns the first answer that came, or None."""
         field = ball(self.kind)
         outcome = self.ask(field, levels(self.kind))
         if outcome.status is Status.OK:
-            self.asked = field
             return outcome
         verdict, told = ENDED[outcome.status]
         shape = " x ".join(map(str, field.shape))
         said = told.format(n=self.kind.n, c=self.kind.k + 1)
         told = f"{self.kind}: {said}, on a plain field of {shape} float64 samples"
-        for limits, other, isovalues in other_fields(field, levels(self.kind)):
-            again = self.ask(other, isovalues)
+        for limits in TRIED:
+            self.within = Within(limits)
+            again = self.ask(field, levels(self.kind))
             if again.status is Status.OK:
-                self.limits, self.asked = limits, other
                 yield (
                     verdict,
-                    f"{told}: {outcome.detail}; it takes one that is {told_limits(limits)}",
+                    f"{told}: {outcome.detail}; it takes one that is {self.within.told()}",
                 )
                 return again
         yield verdict, f"{told}: {outcome.detail}{_hint(outcome)}"
@@ -120,20 +137,43 @@ class Try:
     def _conventions(self, plain: Outcome) -> Iterator[Advice]:
         """Each convention that is measured to be other than declared."""
         declared = self.declaration.conventions
-        self.measured = measure(self.ask, self.kind)
-        if self.measured.axes is None:
-            yield Verdict.FAIL, misplaced(plain, ball(self.kind))
+        measured = measure(self.ask, self.kind)
+        posed, _ = self.within.pose(ball(self.kind), levels(self.kind))
+        if measured.axes is None:
+            self.misplaced = True
+            yield Verdict.FAIL, misplaced(plain, posed)
             return
+        self.measured = replace(measured, nan=None) if self.within.whole else measured
         different = self.measured.differences(declared)
         for name, said, found in different:
             mend = MEND.get(f"{found} {name}", MEND.get(found, ""))
             told = f'{mend}; or declare "{name}": "{found}" (now "{said}")'
             yield Verdict.FAIL, told
+        seen = {one.name: getattr(self.measured, one.name) for one in fields(self.measured)}
+        as_said = [f"{name} {seen[name]}" for name in seen if seen[name] is not None]
         if not different:
-            yield Verdict.PASS, f"{self.kind}: its conventions are those it declares"
+            yield Verdict.PASS, f"{self.kind}: measured as it declares: {', '.join(as_said)}"
         if self.kind == SURFACES:
             self.words = words_of(self.ask, plain, self.measured)
-            yield from self._words()
+            self.plain = plain
+
+    def _index(self) -> Floats:
+        """The vertices of the plain answer, in samples."""
+        assert self.plain is not None
+        assert self.measured is not None
+        return index_of(self.plain, ball(self.kind), self.measured)
+
+    def _level(self) -> float | None:
+        """The isovalue of the surface that came, where it is another than was asked for."""
+        return level_at(self._index(), ball(self.kind), levels(self.kind)[0])
+
+    def _off(self) -> Iterator[Advice]:
+        """By how much the ball is off its place, though it is about where it should be."""
+        widest = 0.2 if self.words["vertices"] == "edges" else 0.6
+        if self.words["interpolant"] == "labels" or self.declaration.vertices == "own":
+            widest = 0.7
+        if told := shifted(self._index(), ball(self.kind), widest=widest):
+            yield Verdict.FAIL, told
 
     def _words(self) -> Iterator[Advice]:
         """Each of the four words that is measured to be other than declared."""
@@ -147,35 +187,32 @@ class Try:
             )
             yield Verdict.FAIL, f'{told}: "{name}": {json.dumps(found)}, if it is meant to be'
 
-    def _presentations(self, plain: Outcome) -> Iterator[Advice]:
+    def _presentations(self) -> Iterator[Advice]:
         """Ways to present the same samples that are not taken for the same."""
-        field, isovalues = ball(self.kind), levels(self.kind)
-        values = field.values
-        gaps = np.zeros([2 * n for n in values.shape])[tuple([slice(None, None, 2)] * values.ndim)]
-        gaps[...] = values
-        ways: dict[str, tuple[Array, float]] = {
-            "in Fortran order; np.ascontiguousarray helps": (np.asfortranarray(values), 1),
-            "with gaps in memory; np.ascontiguousarray helps": (gaps, 1),
-            "of type float32; values.astype(float) helps": (values.astype(np.float32), 1),
-            "of type int16; values.astype(float) helps": ((1000 * values).astype(np.int16), 1000),
-        }
         good = True
-        for way, (array, scale) in ways.items():
-            posed = Field.of(array, field.spacing, dimension=field.dimension)
-            outcome = self.ask(posed, tuple(scale * one for one in isovalues))
-            found = _presented(outcome, plain, way)
-            good = good and found is None
-            if found is not None:
-                yield found
+        for way, posed, twin in presentations(*self._posed_ball(), self.within):
+            verdict = _presented(self._raw(*posed), self._raw(*twin), way)
+            good = good and verdict is None
+            if verdict is not None:
+                yield verdict
         if good:
             yield Verdict.PASS, f"{self.kind}: it takes any memory layout and type that was tried"
+
+    def _posed_ball(self) -> tuple[Field, tuple[float, ...]]:
+        """The ball within the limits."""
+        return self.within.pose(ball(self.kind), levels(self.kind))
+
+    def _raw(self, field: Field, isovalues: tuple[float, ...]) -> Outcome:
+        """The outcome of one call, posed as it is."""
+        return self.adapter.answer(Request("check", "plain", field, isovalues))
 
     def _manners(self, plain: Outcome) -> Iterator[Advice]:
         """What else it does beside answering."""
         if plain.input_changed:
             yield Verdict.FAIL, "it writes into the samples it is given: work on a copy"
-        again = self.ask(ball(self.kind), levels(self.kind))
-        if not same(plain, again):
+        again = [self.ask(ball(self.kind), levels(self.kind)) for _ in range(2)]
+        self.steady = all(same(plain, one) for one in again)
+        if not self.steady:
             yield Verdict.FAIL, "asked twice, it gives two answers: is something left from a call?"
         printed, complained = self.adapter.said()
         if printed:
@@ -186,11 +223,69 @@ class Try:
         if complained:
             yield Verdict.SKIP, f"it prints to standard error, which is kept: {_line(complained)}"
 
+    def cells(self) -> Iterator[Advice]:
+        """What single cells and long rows of them show, of surfaces whose place is known."""
+        if self.kind != SURFACES or self.measured is None or self.measured.units is None:
+            return
+        level = levels(self.kind)[0]
+        soup, on_edges = isinstance(self.words["mesh"], dict), self.words["vertices"] == "edges"
+        # A cube round a long sheet would be large.
+        cubes = self.within.limits.get("cubes")
+        found = [] if cubes else spans(self.house, soup=soup, border=0.0 if on_edges else 1.0)
+        if told := stretch(found):
+            yield Verdict.FAIL, told
+            self.misplaced = self.rows_wrong = True
+            return
+        yield from self._words()
+        if self.rows_wrong:
+            return
+        if not self.steady:
+            yield Verdict.SKIP, "single cells were not looked at: no two answers are alike"
+            return
+        if (at := self._level()) is not None:
+            told = f"it draws the surface of isovalue {round(at, 6) + 0.0:.3g}, asked for {level:g}"
+            yield Verdict.FAIL, f"{told}: is the isovalue used as it is given?"
+            self.rows_wrong = True
+            return
+        self._end(found)
+        rows = list(self._rows())
+        yield from rows
+        self.rows_right = bool(rows) and all(verdict is Verdict.PASS for verdict, _ in rows)
+        self.rows_wrong = any(v is Verdict.FAIL and told != NO_CELL for v, told in rows)
+        if not self.rows_wrong:
+            ended = list(spans_told(found))
+            yield from ended
+            yield from self._off()
+            self.rows_right = self.rows_right and not ended
+
+    def _end(self, found: list[Span]) -> None:
+        """The domain to paste knows how far from the samples the surface ends."""
+        ends, domain = inset(found), self.words["domain"]
+        if domain == "open" and ends and abs(ends) <= 1:
+            self.words["domain"] = {"inset": ends, "end": "open"}
+        if domain == "closed" and any(span.low < -NEAR for span in found):
+            # Caps beyond the samples stand where the padding is crossed, at most one cell away.
+            self.words["domain"] = {"inset": -1.0, "end": "closed"}
+
+    def _rows(self) -> Iterator[Advice]:
+        """What is wrong with single cells, of who has vertices on their edges and no caps."""
+        assert self.measured is not None
+        plain_cells = self.words["interpolant"] != "kuhn" and self.words["vertices"] == "edges"
+        if plain_cells and self.words["domain"] == "open":
+            order = (2, 1, 0) if self.measured.axes == "reversed" else (0, 1, 2)
+            halfway = self.words["interpolant"] == "labels"
+            yield from rows_told(self.house, order, halfway=halfway)
+
+    def house(self, field: Field, isovalues: tuple[float, ...]) -> Outcome:
+        """The outcome of one call, in the house's conventions as they were measured."""
+        request = Request("check", "plain", *self.within.pose(field, isovalues))
+        conventions = self.told(self.declaration).conventions
+        return to_house(self.adapter.answer(request), request, conventions)
+
     def told(self, declaration: Declaration) -> Declaration:
         """The declaration, changed to what was measured of this kind."""
-        if self.limits:
-            limits = replace(declaration.limits, **self.limits)
-            return replace(declaration, limits=limits)
+        limits = replace(declaration.limits, **self.within.limits)
+        declaration = replace(declaration, limits=limits)
         if self.measured is not None and self.measured.axes is not None:
             found = self.measured.differences(declaration.conventions)
             new: dict[str, Any] = {name: measured for name, _, measured in found}
@@ -202,6 +297,49 @@ class Try:
             said["level"] = min(said["level"], 4 if exact(said) else 2)
             declaration = declaration_from(said, declaration.name)
         return declaration
+
+
+Posed = tuple[Field, tuple[float, ...]]
+# A power of two, so that nothing rounds; a fixed tolerance is larger or smaller than all values.
+SMALLER, LARGER = 2.0**-24, 2.0**24
+
+
+def presentations(
+    field: Field, isovalues: tuple[float, ...], within: Within
+) -> Iterator[tuple[str, Posed, Posed]]:
+    """Ways to present samples, with the same samples as they are usually presented."""
+    values = field.values
+    gaps = np.zeros([2 * n for n in values.shape], values.dtype)
+    gaps = gaps[tuple([slice(None, None, 2)] * values.ndim)]
+    gaps[...] = values
+    plain = field, isovalues
+    yield (
+        "in Fortran order; np.ascontiguousarray helps",
+        (_with(field, np.asfortranarray(values)), isovalues),
+        plain,
+    )
+    yield "with gaps in memory; np.ascontiguousarray helps", (_with(field, gaps), isovalues), plain
+    if within.type:
+        return
+    singles = values.astype(np.float32)
+    twin = _with(field, singles.astype(float)), isovalues
+    yield "of type float32; values.astype(float) helps", (_with(field, singles), isovalues), twin
+    whole = np.rint(1000 * values).astype(np.int16)
+    asked = tuple(1000 * one for one in isovalues)
+    twin = _with(field, whole.astype(float)), asked
+    yield "of type int16; values.astype(float) helps", (_with(field, whole), asked), twin
+    for word, by in (("smaller", SMALLER), ("larger", LARGER)):
+        scaled = _with(field, values * by), tuple(by * one for one in isovalues)
+        yield (
+            f"{1 / min(by, 1 / by):.0f} times {word}; is a fixed tolerance added or compared with?",
+            scaled,
+            plain,
+        )
+
+
+def _with(field: Field, values: Array) -> Field:
+    """The field with other samples, in their own layout."""
+    return replace(field, values=values)
 
 
 def _hint(outcome: Outcome) -> str:
@@ -223,9 +361,21 @@ def _presented(outcome: Outcome, plain: Outcome, way: str) -> Advice | None:
         return Verdict.UNSUPPORTED, f"it declines samples {way}: {outcome.detail}"
     if outcome.status is not Status.OK:
         return Verdict.FAIL, f"it fails on samples {way}: {outcome.detail}"
-    if len(rows_of(outcome)) != len(rows_of(plain)):
+    if plain.status is not Status.OK:
+        return None
+    if len(rows_of(outcome)) != len(rows_of(plain)) or not _alike(outcome, plain):
         return Verdict.FAIL, f"it gives another surface for the same samples {way}"
     return None
+
+
+def _alike(one: Outcome, other: Outcome) -> bool:
+    """Whether the boxes round two answers are the same, but for rounding."""
+    boxes = [
+        np.stack([points.min(0), points.max(0)])
+        for points in (one.vertices, other.vertices)
+        if points is not None and len(points)
+    ]
+    return len(boxes) < 2 or bool(np.abs(boxes[0] - boxes[1]).max() < 1e-3)
 
 
 def _line(text: str) -> str:

@@ -41,7 +41,7 @@ def exact(said: dict[str, Any]) -> bool:
 def words_of(ask: Ask, plain: Outcome, measured: Measured) -> dict[str, Any]:
     """The four words, as far as the answers on a few balls tell them."""
     field = ball(SURFACES)
-    points = _index(plain, field, measured)
+    points = index_of(plain, field, measured)
     return {
         "interpolant": _interpolant(ask, points, field),
         "vertices": _vertices(points),
@@ -50,7 +50,7 @@ def words_of(ask: Ask, plain: Outcome, measured: Measured) -> dict[str, Any]:
     }
 
 
-def _index(outcome: Outcome, field: Field, measured: Measured) -> Floats:
+def index_of(outcome: Outcome, field: Field, measured: Measured) -> Floats:
     """The vertices in samples, in the order of the array's axes."""
     assert outcome.vertices is not None
     points = outcome.vertices.astype(float)
@@ -100,7 +100,8 @@ def _domain(ask: Ask) -> str:
     if mesh is None or not len(mesh.simplices):
         return "open"
     _, place_of = np.unique(mesh.vertices.round(5), axis=0, return_inverse=True)
-    rows = np.sort(place_of.reshape(-1)[mesh.simplices], axis=1)
+    # Count each triangle once, so that one that is there twice looks no more closed.
+    rows = np.unique(np.sort(place_of.reshape(-1)[mesh.simplices], axis=1), axis=0)
     edges = np.concatenate([rows[:, [0, 1]], rows[:, [1, 2]], rows[:, [0, 2]]])
     _, uses = np.unique(edges, axis=0, return_counts=True)
     return "open" if (uses == 1).any() else "closed"
