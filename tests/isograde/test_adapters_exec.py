@@ -360,3 +360,54 @@ def test_nothing_stays_behind() -> None:
     assert directory.is_dir()
     del adapter
     assert not directory.exists()
+
+
+def test_answers_may_go_by_a_descriptor_of_their_own() -> None:
+    """`exec:program 3>&1 1>&2`: whatever it prints to standard output is for people."""
+    sound = f"{READY.replace('echo', 'echo >&3').replace('printf', 'printf >&3')}"
+    body = f"echo hello; {sound} read run; echo working; say '{TRIANGLE}'; read stop"
+    _, (outcome,) = ask(f"sh -c {shlex.quote(body)} 3>&1 1>&2")
+    assert outcome.mesh is not None, outcome.detail
+
+
+def test_an_answer_may_stand_in_a_json_file() -> None:
+    find = 'sed \'s/.*"directory": "\\([^"]*\\).*/\\1/\''
+    answer = f"echo '{{{TRIANGLE}}}' > $(echo \"$run\" | {find})/a.json"
+    _, (outcome,) = ask(f'{READY} read run; {answer}; say \'"answer": "a.json"\'; read stop')
+    assert outcome.mesh is not None, outcome.detail
+
+
+def test_a_bare_nan_is_told_with_its_place_and_what_to_write() -> None:
+    """Issue 12: "not JSON at column 37: nan; write null"."""
+    wrong = '"vertices": [[0, 0, nan]], "simplices": []'
+    _, (outcome,) = ask(f"{READY} read run; say '{wrong}'; read stop")
+    assert outcome.status is Status.GARBAGE
+    assert "not JSON at column 31: nan; write null" in outcome.detail
+
+
+@pytest.mark.parametrize("level", [float("nan"), float("inf"), -float("inf")])
+def test_an_isovalue_that_is_no_number_is_sent_as_json(level: float, tmp_path: Path) -> None:
+    """Strict JSON in both directions."""
+    log = tmp_path / "log"
+    adapter = open_adapter(
+        f'exec:{READY} read run; echo "$run" > {shlex.quote(str(log))}; say \'"error": "no"\''
+    )
+    adapter.open(QUICK)
+    adapter.run(Request("test", "isovalue-nan", ball(), (level,)))
+    adapter.close()
+
+    def refuse(word: str) -> None:
+        raise AssertionError(word)
+
+    said = json.loads(log.read_text(), parse_constant=refuse)
+    definitions = protocol_schema()["$defs"]
+    jsonschema.validate(said, {**definitions["run"], "$defs": definitions})
+    assert str(level).lower()[:3] in said["isovalues"][0].lower()
+
+
+def test_number_types_that_are_sent_are_listed() -> None:
+    """Issue 12: number types listed in the schema; bool, (u)int of 1 to 8 bytes, floats."""
+    listed = protocol_schema()["$defs"]["run"]["properties"]["dtype"]["enum"]
+    kinds = {np.dtype(one).name for one in listed}
+    assert len(kinds) == len(listed) == 12
+    assert {"bool", "uint8", "int64", "float16", "float64"} <= kinds

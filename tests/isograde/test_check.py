@@ -260,3 +260,18 @@ def test_what_goes_without_saying_is_not_pasted() -> None:
     assert json.loads(paste(declaration_from(said, "x"))) == {
         "name": "mine", "domain": ["closed", "open", "open"],
     }  # fmt: skip
+
+
+def test_advice_to_a_program_is_in_no_particular_language(tmp_path: Path) -> None:
+    """Issue 12: nothing about NumPy to who writes C."""
+    answer = '{"id": 1, "vertices": [[0, 0, 0, 1, 1, 1]], "simplices": [[0.5, 1, 2]]}'
+    script = tmp_path / "program.sh"
+    script.write_text(
+        f"read start; echo '{{\"protocol\": 3}}'; while read run; do echo '{answer}'; done"
+    )
+    advised = check(f"exec:sh {shlex.quote(str(script))}").advice
+    said = " ".join(told for _, told in advised)
+    assert "not (n, 3)" in said
+    assert "not integers" in said
+    for word in ("astype", "reshape", "np.", "[:,", "<"):
+        assert word not in said

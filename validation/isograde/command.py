@@ -208,7 +208,7 @@ def explain(
         str,
         typer.Argument(
             metavar="CLAIM",
-            help="An id, a family of them, or a way in: python, exec, dir, declaration.",
+            help="An id, a family of them, or a way in: python, exec, protocol, dir, declaration.",
         ),
     ],
 ) -> None:

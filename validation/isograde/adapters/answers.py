@@ -1,12 +1,13 @@
 """Answers in files: pairs of .npy files, mesh files, and JSON, as vertices and simplices.
 
-JSON holds an object with ``vertices`` and ``simplices`` (or ``faces``), or with ``polylines``, in
-the forms of `isograde.adapters.forms`; in place of rows, the name of a .npy file that has them.
+JSON holds, as its standard has it (`isograde.adapters.strict`), an object with ``vertices`` and
+``simplices`` (or ``faces``), or with ``polylines``, in the forms of `isograde.adapters.forms`; in
+place of rows, the name of a .npy file that has them.
 """
 
 from __future__ import annotations
 
-import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isograde.adapters.forms import AnswerError, Arrays, from_pair, from_polylines, tried
+from isograde.adapters.strict import parse
 from isograde.model import SURFACES, Kind, Status
 
 MESH_FILES = (".ply", ".obj", ".off", ".stl")
@@ -26,22 +28,34 @@ CHECKED_BYTES = 1 << 16
 
 def arrays_said(said: Mapping[str, Any], folder: Path, limit: int, kind: Kind) -> Arrays:
     """Vertices and simplices of an answer in JSON, its files in `folder`; raises `AnswerError`."""
+    if "answer" in said:
+        return json_in(folder / said["answer"], limit, kind)
     if "mesh" in said:
         return mesh_in(folder / said["mesh"], limit, kind)
     if "polylines" in said:
         if kind.k != 1:
             raise AnswerError(f"polylines are no answer of dimension {kind.k}: {kind}")
-        lines = said["polylines"]
+        lines = [numbers(one) for one in said["polylines"]]
         return tried("polylines", lambda: from_polylines(lines, kind))  # type: ignore[no-any-return]
     pair = said["vertices"], said["simplices"] if "simplices" in said else said["faces"]
     loaded = [load(folder / part, limit) if isinstance(part, str) else part for part in pair]
-    return from_pair(loaded[0], loaded[1], kind)
+    return from_pair(numbers(loaded[0]), loaded[1], kind)
+
+
+def numbers(rows: Any) -> Any:
+    """Rows of coordinates out of JSON, in which null stands for a number that is not finite."""
+    if not isinstance(rows, list):
+        return rows
+    return [
+        [math.nan if x is None else x for x in row] if isinstance(row, list) else row
+        for row in rows
+    ]
 
 
 def json_in(path: Path, limit: int, kind: Kind) -> Arrays:
     """Vertices and simplices of an answer in a JSON file; raises `AnswerError`."""
     check_file(path, limit)
-    said = tried(path.name, lambda: json.loads(path.read_text(encoding="utf-8")))
+    said = tried(path.name, lambda: parse(path.read_bytes()))
     keys = set(said) if isinstance(said, dict) else set()
     if keys not in ({"polylines"}, {"vertices", "simplices"}, {"vertices", "faces"}):
         raise AnswerError(f"{path.name} has neither polylines nor vertices and simplices")

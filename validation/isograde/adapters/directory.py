@@ -20,7 +20,6 @@ answer counts as declined: no answer is not an empty mesh.
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
@@ -36,6 +35,7 @@ from isograde.adapters.conventions import refusal, to_house
 from isograde.adapters.forms import AnswerError, Arrays, from_pair
 from isograde.adapters.process import samples
 from isograde.adapters.protocol import check_json, declared
+from isograde.adapters.strict import isovalue, parse, written
 from isograde.declaration import Declaration, Scope
 from isograde.model import (
     AdapterError,
@@ -178,7 +178,7 @@ class DirectoryAdapter:
         """The contents of a JSON file in the folder; raises `AdapterError`."""
         path = self._folder / name
         try:
-            return json.loads(path.read_text(encoding="utf-8"))
+            return parse(path.read_bytes())
         except FileNotFoundError:
             raise UnknownName(f"{path} does not exist; {hint}") from None
         except (OSError, ValueError) as error:
@@ -210,7 +210,7 @@ def export(directory: Path, fields: Iterable[Case | Request]) -> int:
     try:
         entries = [_write(stage, _request(field)) for field in fields]
         manifest = {"format": FORMAT, "conventions": dict(LAYOUT), "fields": entries}
-        text = json.dumps(manifest, indent=1)
+        text = written(manifest, indent=1)
         (stage / MANIFEST).write_text(text + "\n", encoding="utf-8")
         os.replace(stage, directory)
     except BaseException:
@@ -243,7 +243,7 @@ def _write(folder: Path, request: Request) -> dict[str, Any]:
         "variant": variant,
         "kind": list(request.kind),
         **files,
-        "isovalues": [float(isovalue) for isovalue in request.isovalues],
+        "isovalues": [isovalue(one) for one in request.isovalues],
         "shape": list(field.shape),
         "dtype": field.values.dtype.str,
         "spacing": list(field.spacing),

@@ -1,7 +1,8 @@
 """The adapter to programs in any language: ``exec:command``.
 
-The command is one line for the shell, so a pipeline is a command too. It speaks JSON, one object a
-line (`protocol.schema.json` beside this file has every field); arrays stand in files.
+The command is one line for the shell, so a pipeline is a command too. It speaks JSON as the
+standard has it, one object a line (``isograde explain protocol`` prints the schema of every field);
+arrays stand in files.
 
 It reads from standard input, and answers on standard output::
 
@@ -15,36 +16,54 @@ It reads from standard input, and answers on standard output::
 
 An answer returns the ``id`` of its request, so that no answer can pass for another's. Each request
 is one line, its keys always in this order, with one blank after each colon and comma: a program
-without a JSON library can read it with one ``sscanf`` (`tests/isograde/foreign/tetrahedra.c` is a
-whole implementation in C). An isovalue may be NaN, Infinity or -Infinity.
+without a JSON library can read it with one ``sscanf``.
 
 The shape has n numbers. The samples are in C order, the last axis fastest, little-endian, from byte
 ``offset`` of a .npy file; where there are several components, all samples of the first come before
-those of the second, and there are as many isovalues. Vertices are ``index * spacing`` in the order
-of the array's axes unless the declaration says otherwise; the grader adds the origin. Which way
-round simplices are is said in `isograde.adapters.loading`.
+those of the second, and there are as many isovalues. ``dtype`` is one of |b1, |i1, |u1, <i2, <u2,
+<i4, <u4, <i8, <u8, <f2, <f4, <f8: bool, signed and unsigned whole numbers and floats, with their
+bytes. Vertices are ``index * spacing`` in the order of the array's axes unless the declaration says
+otherwise; the grader adds the origin. Which way round simplices are is said in ``isograde explain
+python``.
 
 Simplices are rows of n - m + 1 indices, counted from 0; for surfaces ``"faces"`` is another name
-for them. In their place an answer may have, as `isograde.adapters.forms` reads them,
+for them. In their place an answer may have
 
 polygons        rows of more than three indices, of one length or of several
 polylines       ``"polylines": [[[0.5, 0.0], ..], ..]``; a closed one repeats its first point
 .npy files      ``"vertices": "v.npy", "simplices": "s.npy"``
 a mesh file     ``"mesh": "surface.off"`` (.ply, .obj, .off, .stl)
-a reason        ``"error": ".."``, or ``"unsupported": ".."`` for a field the program does not take
+a JSON file     ``"answer": "answer.json"``, which has the vertices and simplices, or polylines
 
-Names of files start at ``directory``. What the declaration's ``limits`` refuse is never sent.
+Names of files start at ``directory``.
+
+Refusals, errors, bad input
+---------------------------
+A field that the program does not take is refused: ``{"id": 7, "unsupported": "cubes only"}``. That
+is counted as unsupported, and is no failure. What the declaration's ``limits`` refuse is never
+sent. Where something went wrong, it says so: ``{"id": 7, "error": "the isovalue is no number"}``.
+
+Bad input is sent on purpose, to see what is said of it: an isovalue ``"NaN"`` (infinite ones are
+``"Infinity"`` and ``"-Infinity"``), samples that are NaN, a shape with an axis of 0 samples or with
+one number less than ``spacing``. An error is the right answer; what comes instead is shown, and
+held only against who promises otherwise.
+
+JSON knows no NaN or Infinity: a coordinate that is not finite is ``null``.
 
 Standard output belongs to the protocol: any other line on it, and an answer to another request, is
-garbage: it costs the case, and the program is started again.
-Messages for people go to standard error, which is kept. The program runs until it is told to stop
-or its input ends; remember to flush after each line.
+garbage: it costs the case, and the program is started again. Messages for people go to standard
+error, which is kept. Where a program, or a library in it, writes to standard output, give the
+protocol a descriptor of its own in the command, here 3, and let the program answer on that, or in
+the file ``/dev/fd/3``::
+
+    exec:mine --answers 3 3>&1 1>&2
+
+The program runs until it is told to stop or its input ends; remember to flush after each line.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import time
 from dataclasses import replace
 from typing import Any
@@ -57,6 +76,7 @@ from isograde.adapters.conventions import is_field
 from isograde.adapters.forms import AnswerError
 from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
 from isograde.adapters.protocol import check_json, declared
+from isograde.adapters.strict import NotJSON, isovalue, parse, written
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Outcome, Request, Status
 
@@ -140,7 +160,7 @@ class ExecAdapter(ProcessAdapter):
             "shape": solid.shape[several:],
             "components": len(solid) if several else 1,
             "spacing": field.spacing,
-            "isovalues": [float(isovalue) for isovalue in request.isovalues],
+            "isovalues": [isovalue(one) for one in request.isovalues],
             "offset": path.stat().st_size - solid.nbytes,
             "values": str(path),
             "directory": str(self._directory),
@@ -163,16 +183,17 @@ class ExecAdapter(ProcessAdapter):
 
 def _tell(child: Child, message: dict[str, Any]) -> None:
     """The message has been sent as one line."""
-    child.write([json.dumps(message).encode() + b"\n"])
+    child.write([written(message).encode() + b"\n"])
 
 
 def _line(child: Child) -> tuple[bytes, Any]:
     """The next line, and the JSON in it; raises `AdapterError` or `Ended`."""
     line = child.read_line()
     try:
-        return line, json.loads(line)
-    except ValueError:
-        raise AdapterError(f"stdout is for the protocol, but had {_quoted(line)}") from None
+        return line, parse(line)
+    except NotJSON as error:
+        told = f"stdout is for the protocol, and its line {_quoted(line)} is {error}"
+        raise AdapterError(told) from None
 
 
 def _quoted(line: bytes) -> str:

@@ -55,6 +55,10 @@ def _validator(part: str) -> Any:
 @cache
 def protocol_schema() -> dict[str, Any]:
     """The JSON schema of every message that passes an adapter."""
-    text = files("isograde.adapters").joinpath("protocol.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
+    schema: dict[str, Any] = json.loads(protocol_text())
     return schema
+
+
+def protocol_text() -> str:
+    """The schema as it is published."""
+    return files("isograde.adapters").joinpath("protocol.schema.json").read_text(encoding="utf-8")

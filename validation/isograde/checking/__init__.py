@@ -35,7 +35,7 @@ def check(spec: str, timeout: float = 10.0) -> Checked:
     >>> check("no-such-thing").started
     False
     """
-    checked = Checked()
+    checked = Checked(python=not spec.startswith(("exec:", "dir:")))
     try:
         adapter = open_adapter(spec)
         declaration = adapter.open(Limits(seconds=timeout, megabytes=4096))

@@ -26,7 +26,7 @@ def malformed(outcome: Outcome, kind: Kind) -> Iterator[str]:
     if vertices.dtype.kind == "f" and not np.isfinite(vertices).all():
         yield "vertices have coordinates that are NaN or infinite"
     if rows.dtype.kind not in "iu":
-        yield f"simplices are {rows.dtype}, not integers: simplices.astype(int)"
+        yield f"simplices are {rows.dtype}, not integers<: simplices.astype(int)>"
     elif rows.min() == 1 and rows.max() == len(vertices):
         yield "simplices count vertices from 1: subtract 1"
     elif rows.min() < 0 or rows.max() >= len(vertices):
@@ -42,9 +42,9 @@ def _misshaped(name: str, array: Array, width: int, what: str) -> Iterator[str]:
         return
     advice = f"give one row of {width} {what} each"
     if array.ndim == 2 and array.shape[0] == width:
-        advice = f"it looks transposed: {name}.T"
+        advice = f"it looks transposed<: {name}.T>"
     elif array.ndim == 1 and array.size % width == 0:
-        advice = f"it looks flat: {name}.reshape(-1, {width})"
+        advice = f"it looks flat<: {name}.reshape(-1, {width})>"
     yield f"{name} have shape {array.shape}, not (n, {width}): {advice}"
 
 

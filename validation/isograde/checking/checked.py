@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from dataclasses import field as fresh
@@ -11,6 +12,8 @@ from html import escape
 from isograde.declaration import Declaration, declaration_json
 from isograde.model import Verdict
 
+# Advice is in no particular language, but for words like <: simplices.astype(int)>.
+ONLY_PYTHON = re.compile(r"<([:;,][^<>]*)>")
 Advice = tuple[Verdict, str]
 
 # How a verdict is called here.
@@ -23,12 +26,14 @@ class Checked:
 
     started : the implementation did
     known : there is one of this name
+    python : the implementation is a function in Python, and its author is advised in Python
     """
 
     started: bool = True
     advice: list[Advice] = fresh(default_factory=list)
     paste: str = ""
     known: bool = True
+    python: bool = True
 
     @property
     def right(self) -> bool:
@@ -58,10 +63,19 @@ class Checked:
         """Take in advice; what is raised on the way is told, and ends nothing."""
         try:
             for one in found:
-                self.advice.append(one)
+                self.advice.append((one[0], in_words(one[1], python=self.python)))
         except Exception as error:  # noqa: BLE001 - told to who asked, as one more finding
             told = f"{what} could not be finished: {type(error).__name__}: {error}"
             self.advice.append((Verdict.ERROR, told))
+
+
+def in_words(sentence: str, *, python: bool) -> str:
+    """The advice, with what is in angle brackets, for Python alone, or without it.
+
+    >>> in_words("reverse each row<, simplices[:, ::-1]>", python=False)
+    'reverse each row'
+    """
+    return ONLY_PYTHON.sub(lambda found: found[1] if python else "", sentence)
 
 
 def paste(declaration: Declaration) -> str:

@@ -78,6 +78,8 @@ class Row:
 FAULTS = {
     "nothing": "gives no triangles",
     "entry": "names an edge that is not crossed",
+    "not finite": "has a vertex that is not finite: is an edge used that is not crossed, or a "
+    "difference of 0 divided by?",
     "unused": "leaves a crossed edge without a vertex",
     "missing": "lacks a triangle: an edge inside the cell belongs to one triangle only",
     "doubled": "has an edge that belongs to more than two triangles",
@@ -192,7 +194,7 @@ def _places(points: Floats, row: Row) -> list[Any]:
     places: list[Any] = []
     for point in points:
         if not np.isfinite(point).all():
-            row.fault, row.detail = "entry", "its vertex is not finite"
+            row.fault = "not finite"
             return places
         between = [k for k in range(3) if min(abs(point[k]), abs(point[k] - 1)) > NEAR]
         if len(between) == 1:

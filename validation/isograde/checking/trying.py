@@ -44,12 +44,12 @@ MEND = {
     "inside": "a sample equal to the isovalue counts as inside",
     "outside": "a sample equal to the isovalue counts as outside",
     "to_low": "right-hand normals point to lower values",
-    "to_high": "right-hand normals point to higher values: reverse each row, simplices[:, ::-1]",
+    "to_high": "right-hand normals point to higher values: reverse each row<, simplices[:, ::-1]>",
     "none": "simplices are not oriented alike",
     "array": "coordinates come in the order of the array's axes",
-    "reversed": "coordinates come in reversed order (x before z): vertices[:, ::-1]",
+    "reversed": "coordinates come in reversed order, x before z: turn them<, vertices[:, ::-1]>",
     "world": "vertices are scaled by the spacing",
-    "index": "vertices are not scaled by the spacing: vertices * spacing",
+    "index": "vertices are not scaled by the spacing: multiply by it<, vertices * spacing>",
     "raises nan": "it raises on a sample that is not a number",
     "answers": "it answers a field with NaN as if nothing were wrong: raise an error",
     "mesh": "it gives an empty mesh where there is no surface",
@@ -314,20 +314,24 @@ def presentations(
     gaps[...] = values
     plain = field, isovalues
     yield (
-        "in Fortran order; np.ascontiguousarray helps",
+        "in Fortran order<; np.ascontiguousarray helps>",
         (_with(field, np.asfortranarray(values)), isovalues),
         plain,
     )
-    yield "with gaps in memory; np.ascontiguousarray helps", (_with(field, gaps), isovalues), plain
+    yield (
+        "with gaps in memory<; np.ascontiguousarray helps>",
+        (_with(field, gaps), isovalues),
+        plain,
+    )
     if within.type:
         return
     singles = values.astype(np.float32)
     twin = _with(field, singles.astype(float)), isovalues
-    yield "of type float32; values.astype(float) helps", (_with(field, singles), isovalues), twin
+    yield "of type float32<; values.astype(float) helps>", (_with(field, singles), isovalues), twin
     whole = np.rint(1000 * values).astype(np.int16)
     asked = tuple(1000 * one for one in isovalues)
     twin = _with(field, whole.astype(float)), asked
-    yield "of type int16; values.astype(float) helps", (_with(field, whole), asked), twin
+    yield "of type int16<; values.astype(float) helps>", (_with(field, whole), asked), twin
     for word, by in (("smaller", SMALLER), ("larger", LARGER)):
         scaled = _with(field, values * by), tuple(by * one for one in isovalues)
         yield (
@@ -345,7 +349,7 @@ def _with(field: Field, values: Array) -> Field:
 def _hint(outcome: Outcome) -> str:
     """What the commonest mistakes of a first call are."""
     if outcome.detail.startswith("TypeError"):
-        return "; it is called as function(values, isovalue, spacing)"
+        return "<; it is called as function(values, isovalue, spacing)>"
     if "inhomogeneous" in outcome.detail:
         return (
             "; return a tuple (vertices, simplices): where there is more, return only the first two"

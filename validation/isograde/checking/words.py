@@ -42,9 +42,10 @@ def words_of(ask: Ask, plain: Outcome, measured: Measured) -> dict[str, Any]:
     """The four words, as far as the answers on a few balls tell them."""
     field = ball(SURFACES)
     points = index_of(plain, field, measured)
+    interpolant = _interpolant(ask, points, field)
     return {
-        "interpolant": _interpolant(ask, points, field),
-        "vertices": _vertices(points),
+        "interpolant": interpolant,
+        "vertices": _vertices(points, interpolant),
         "domain": _domain(ask),
         "mesh": _mesh(plain),
     }
@@ -80,14 +81,16 @@ def _interpolant(ask: Ask, points: Floats, field: Field) -> str:
     return "kuhn" if alike and many.mean() > 0.3 else "multilinear"
 
 
-def _vertices(points: Floats) -> str:
+def _vertices(points: Floats, interpolant: str) -> str:
     """On edges, where most vertices have one coordinate that is not whole; else in cells."""
     inner = _fractional(points).sum(axis=1)
     parts = points - np.floor(points)
     diagonal = np.where(_fractional(points), parts, np.nan)
     with np.errstate(invalid="ignore"):
         alike = np.ptp(np.where(np.isnan(diagonal), parts.max(1)[:, None], diagonal), axis=1)
-    on_edges = (inner <= 1) | (alike < WHOLE)
+    on_edges = inner <= 1
+    if interpolant == "kuhn":
+        on_edges |= alike < WHOLE
     return "edges" if on_edges.mean() > 0.6 else "cells"
 
 

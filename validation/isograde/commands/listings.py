@@ -100,6 +100,11 @@ GUIDES = {
 
 def explain(name: str) -> None:
     """The claim of this id, or every claim of this family, or the guide to an adapter, printed."""
+    if name == "protocol":
+        from isograde.adapters.protocol import protocol_text
+
+        console.print(protocol_text(), markup=False, soft_wrap=True, end="")
+        return
     if name in GUIDES:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return
@@ -107,7 +112,7 @@ def explain(name: str) -> None:
 
     found = [c for known, c in CLAIMS.items() if name in (known, known.split(".")[0])]
     if not found:
-        close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES], n=3, cutoff=0.4)
+        close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES, "protocol"], n=3, cutoff=0.4)
         hint = f"did you mean {', '.join(close)}?" if close else "see `isograde list claims`"
         stop(Exit.WRONG_USE, f"no claim {name!r}; {hint}")
     for one in found:

@@ -18,6 +18,8 @@ from typing import Any, TextIO
 import jsonschema
 import numpy as np
 
+from isograde.adapters.strict import NotJSON, parse
+
 FORMAT = 2
 RECORDS = ("header", "claim", "case", "result", "evidence", "footer")
 JSON = dict[str, Any]
@@ -81,9 +83,9 @@ def lines(path: Path) -> Iterator[JSON]:
 def _checked(line: str, place: str) -> JSON:
     """The record on a line."""
     try:
-        record: JSON = json.loads(line)
-    except json.JSONDecodeError as error:
-        raise ReportError(f"{place} is not JSON: {error}") from error
+        record: JSON = parse(line)
+    except NotJSON as error:
+        raise ReportError(f"{place} is {error}") from error
     name = record.get("record") if isinstance(record, dict) else None
     if name not in RECORDS:
         raise ReportError(f"{place} is no record of a report: record {name!r}")
