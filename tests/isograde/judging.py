@@ -35,7 +35,9 @@ class Here:
         return self.declaration
 
     def run(self, request: Request) -> Outcome:
-        """The outcome of one call."""
+        """The outcome of one call; in other ways than once it is not asked here."""
+        if request.calls != "once":
+            return Outcome(Status.DECLINED, detail="asked in the worker only")
         samples = np.array(request.field.values, order="K", copy=True)
         level = request.isovalues[0] if len(request.isovalues) == 1 else request.isovalues
         try:

@@ -1,6 +1,7 @@
 """Implementations with one beginner's mistake each, round the reference, which has none."""
 
 import sys
+import time
 from typing import Any
 
 import numpy as np
@@ -135,3 +136,72 @@ def misdeclared(*asked: Any) -> Any:
 
 
 misdeclared.declaration = lambda: {"level": "high"}  # type: ignore[attr-defined]
+
+
+KEPT: dict[str, Any] = {}
+
+
+def buffered(*asked: Any) -> Any:
+    """The vertices of every answer stand in one array, which the next call writes over."""
+    vertices, faces = correct(*asked)
+    store = KEPT.setdefault("store", np.empty((100_000, 3)))
+    store[: len(vertices)] = vertices
+    return store[: len(vertices)], faces
+
+
+def with_globals(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The samples are put where every thread finds them, and taken from there a little later."""
+    KEPT["values"] = values
+    time.sleep(0.02)
+    return correct(KEPT["values"], isovalue, spacing)
+
+
+def leaking(*asked: Any) -> Any:
+    """Every answer is kept for ever."""
+    answer = correct(*asked)
+    KEPT.setdefault("answers", []).append([part.copy() for part in answer])
+    return answer
+
+
+def searching(*asked: Any) -> Any:
+    """Every eighth vertex is looked for among all."""
+    vertices, faces = correct(*asked)
+    for vertex in vertices[::8]:
+        (np.abs(vertices - vertex) < 1e-12).all(axis=1).any()
+    return vertices, faces
+
+
+def hoarding(*asked: Any) -> Any:
+    """A table with a row and a column for every eighth vertex."""
+    vertices, faces = correct(*asked)
+    table = np.ones((len(vertices) // 8, len(vertices) // 8), np.int8)
+    return vertices + 0 * table[:1, :1].sum(), faces
+
+
+def with_epsilon(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Differences below a millionth count as none, whatever the values' size."""
+    level = np.asarray(values, float) - isovalue
+    return correct(np.where(np.abs(level) < 1e-6, 1e-6, level), 0.0, spacing)
+
+
+def in_single_precision(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The samples are rounded before the isovalue is taken off."""
+    with np.errstate(over="ignore"):
+        single = np.asarray(values).astype(np.float32)
+    return correct(single, isovalue, spacing)
+
+
+def tunnels_on_one_side(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The trilinear interpolant where the first sample is below the last, and no tunnels else."""
+    rising = float(values.flat[0]) < float(values.flat[-1])
+    method = METHODS["trilinear-cubes" if rising else "asymptotic-decider"]
+    mesh = method(Field.of(values, spacing), isovalue)
+    return mesh.vertices, mesh.simplices
+
+
+def turned_on_one_side(values: Any, isovalue: float, spacing: Any) -> Any:
+    """A face in the middle is turned over where the first sample is below the last."""
+    vertices, faces = correct(values, isovalue, spacing)
+    if len(faces) and float(values.flat[0]) < float(values.flat[-1]):
+        faces[len(faces) // 2] = faces[len(faces) // 2, ::-1]
+    return vertices, faces

@@ -16,9 +16,10 @@ from isograde.oracles.complexes import Complex
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
 
+from tests.isograde import mistaken
 from tests.isograde.cheats import CHEATS
-from tests.isograde.families import CORRECT
-from tests.isograde.judging import verdicts
+from tests.isograde.families import CORRECT, Function
+from tests.isograde.judging import Here, grade, verdicts
 
 # A cell with an ambiguous face, and a little noise.
 CASES = ("cells/outside/009", "noise/white-5x6x7")
@@ -68,6 +69,20 @@ def test_a_cheat_is_caught(name: str, claim: str) -> None:
     cheat = CHEATS[name]
     found = verdicts(cheat.function, declaration_from(cheat.says, name), asked(), claim)
     assert found[claim][Verdict.FAIL]
+
+
+@pytest.mark.parametrize(
+    ("function", "told"),
+    [
+        (mistaken.tunnels_on_one_side, "hang together otherwise"),
+        (mistaken.turned_on_one_side, "turned over"),
+    ],
+)
+def test_what_is_inside_a_cell_is_compared(function: Function, told: str) -> None:
+    """Tunnels, and which way triangles are turned, though every face has the same segments."""
+    case = all_cases()["noise/white-10x8x9"]
+    found = list(grade(Here(function, Declaration("d")), [case], "symmetry.orientation"))
+    assert [(f.verdict, told in f.detail) for _, _, f in found] == [(Verdict.FAIL, True)]
 
 
 def test_scaling_finds_an_absolute_epsilon() -> None:

@@ -28,8 +28,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as fresh
 from enum import StrEnum
+from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from isoref.field import Field
@@ -108,6 +109,7 @@ class Case:
     tags : families it belongs to ("cells", "pairs", "noise", "bodies", "real", ..); "full" marks
         what only ``--full`` runs, "posed" what is posed in every way
     facts : what is known, by name: "area", "volume", "euler", "components", ..
+    only : globs on the ids of the claims that are judged on it; every claim where there is none
     """
 
     id: str
@@ -117,16 +119,29 @@ class Case:
     tags: frozenset[str] = frozenset()
     facts: Mapping[str, Any] = fresh(default_factory=dict)
     kind: Kind = SURFACES
+    only: tuple[str, ...] = ()
+
+
+# How a request is put: once, as most are; or, by adapters that call in their own process, so that
+# a second answer is made before the first is read ("kept"), from several threads at once
+# ("threads"), so many times that what is never given back shows ("many"), or timed ("timed").
+Calls = Literal["once", "kept", "threads", "many", "timed"]
 
 
 @dataclass(frozen=True)
 class Request:
-    """One call of the implementation."""
+    """One question to the implementation, and how it is called.
+
+    Of "threads" the answer that differs from the first comes back, where there is one. Of "many"
+    the outcome's `peak_bytes` are those by which the process grew; of "timed" its `seconds` are the
+    processor's, the least of three calls.
+    """
 
     case: str
     variant: str
     field: Field
     isovalues: tuple[float, ...]
+    calls: Calls = "once"
 
     @property
     def kind(self) -> Kind:
@@ -280,7 +295,8 @@ class Claim:
 
     def applies_to(self, case: Case) -> bool:
         """The claim is judged on this case."""
-        return self.kinds(case.kind) and (not self.tags or bool(self.tags & case.tags))
+        wanted = not case.only or any(fnmatchcase(self.id, glob) for glob in case.only)
+        return wanted and self.kinds(case.kind) and (not self.tags or bool(self.tags & case.tags))
 
     def held(self, declaration: Declaration) -> bool:
         """A failure of the claim counts against who declares this."""

@@ -259,7 +259,8 @@ class Worker:
             posed = variants.pose(name, trial.case, trial.field)
             if posed is None:
                 continue
-            outcome = self._call(Request(trial.case.id, name, *posed))
+            calls = "once" if name == "plain" else variants.variant(name, trial.kind).calls
+            outcome = self._call(Request(trial.case.id, name, *posed, calls))
             self.hangs = self.hangs + 1 if outcome.status is Status.TIMEOUT else 0
             outcomes[name] = outcome
 

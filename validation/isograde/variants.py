@@ -19,7 +19,7 @@ from itertools import permutations, product
 import numpy as np
 from isoref.field import Array, Field, Floats
 
-from isograde.model import Case, Kind
+from isograde.model import Calls, Case, Kind
 
 Isovalues = tuple[float, ...]
 Posed = tuple[Field, Isovalues] | None
@@ -37,6 +37,7 @@ class Variant:
     pose : the changed field and isovalues, or None where the values do not allow it
     back : index coordinates of the plain field, given those of the changed one and the plain field
     reflects : it exchanges left and right, so that simplices must be turned over on the way back
+    calls : how the implementation is called, as in `isograde.model.Request`
     """
 
     name: str
@@ -44,6 +45,7 @@ class Variant:
     pose: Callable[[Field, Isovalues], Posed]
     back: Callable[[Floats, Field], Floats] = lambda places, _: places
     reflects: bool = False
+    calls: Calls = "once"
 
 
 def pose(name: str, case: Case, field: Field) -> Posed:
@@ -201,6 +203,70 @@ def _backwards(field: Field, isovalues: Isovalues) -> Posed:
     return _values(field, turned[tuple(steps)]), isovalues
 
 
+def _swapped_bytes(field: Field, isovalues: Isovalues) -> Posed:
+    """The bytes of every number in the other order."""
+    if field.values.dtype.itemsize < 2:
+        return None
+    return _values(field, field.values.astype(field.values.dtype.newbyteorder("S"))), isovalues
+
+
+def _read_only(field: Field, isovalues: Isovalues) -> Posed:
+    """Samples that cannot be written."""
+    values = field.values.copy(order="K")
+    values.flags.writeable = False
+    return _values(field, values), isovalues
+
+
+def _without_stride(field: Field, isovalues: Isovalues) -> Posed:
+    """The samples along the first axis on which they do not change, each once in memory."""
+    first = field.values.ndim - field.dimension
+    for axis in range(first, field.values.ndim):
+        one = np.take(field.values, [0], axis)
+        if field.values.shape[axis] > 1 and (field.values == one).all():
+            return _values(field, np.broadcast_to(one, field.values.shape)), isovalues
+    return None
+
+
+def _magnified(exponent: int) -> Callable[[Field, Isovalues], Posed]:
+    """Values and isovalues times a power of two, where doubles hold all of them exactly."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        values = _floats(field.values).astype(np.float64)
+        with np.errstate(over="ignore", under="ignore"):
+            moved, levels = np.ldexp(values, exponent), np.ldexp(isovalues, exponent)
+            exact = np.array_equal(np.ldexp(moved, -exponent), values)
+            exact &= np.array_equal(np.ldexp(levels, -exponent), isovalues)
+        return (_values(field, moved), tuple(map(float, levels))) if exact else None
+
+    return pose
+
+
+def _lifted(factor: float) -> Callable[[Field, Isovalues], Posed]:
+    """Values and isovalues plus so many times their range, where no double loses a digit."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        values = _floats(field.values).astype(np.float64)
+        size = float(values.max() - values.min())
+        step = factor * 2.0 ** np.ceil(np.log2(size)) if size > 0 else factor
+        moved, levels = values + step, np.add(isovalues, step)
+        if not (np.array_equal(moved - step, values) and np.array_equal(levels - step, isovalues)):
+            return None
+        return _values(field, moved), tuple(map(float, levels))
+
+    return pose
+
+
+def _larger(field: Field, isovalues: Isovalues) -> Posed:
+    """The field and its mirror images: twice as many samples along each axis."""
+    rim = [(0, 0)] * (field.values.ndim - field.dimension) + [(0, n) for n in field.shape]
+    return _values(field, np.pad(field.values, rim, mode="symmetric")), isovalues
+
+
+def _infinite(field: Field, isovalues: Isovalues) -> Posed:
+    """An isovalue of the first component above every number."""
+    return field, (float("inf"), *isovalues[1:])
+
+
 def _as_type(kind: str) -> Callable[[Field, Isovalues], Posed]:
     """The same numbers in another type, where it holds them all and the isovalue is unharmed."""
 
@@ -334,6 +400,35 @@ def symmetry_of(name: str) -> tuple[tuple[int, ...], tuple[bool, ...]]:
     return tuple(LETTERS.index(x.lower()) for x in letters), tuple(x.isupper() for x in letters)
 
 
+TYPES = {
+    "float16": "half precision",
+    "float32": "single precision",
+    "float64": "double precision",
+    "int8": "signed bytes",
+    "int16": "16-bit integers",
+    "int32": "32-bit integers",
+    "int64": "64-bit integers",
+    "uint8": "bytes",
+    "uint16": "unsigned 16-bit integers",
+    "uint32": "unsigned 32-bit integers",
+    "uint64": "unsigned 64-bit integers",
+    "bool": "truth values",
+}
+# Powers of two, from the nearest to the farthest either way; 1e150 and 1e300 are the nearest ones.
+MAGNITUDES = {
+    f"{base}{sign}{size}": (1 if sign == "+" else -1) * exponent
+    for sign in "-+"
+    for base, size, exponent in (
+        ("2^", "10", 10),
+        ("2^", "20", 20),
+        ("2^", "30", 30),
+        ("2^", "60", 60),
+        ("1e", "150", 498),
+        ("1e", "300", 996),
+    )
+}
+OFFSETS = {"2^10": 2.0**10, "2^20": 2.0**20, "1e6": 1e6}
+
 SIMPLE: tuple[Variant, ...] = (
     Variant("repeat", "asked a second time", _repeat),
     Variant("scale", "values and isovalue times four", _scale),
@@ -355,15 +450,24 @@ SIMPLE: tuple[Variant, ...] = (
     Variant("fortran", "first axis fastest in memory", _fortran),
     Variant("strided", "every second element of a larger array", _strided),
     Variant("backwards", "a view that runs backwards through memory", _backwards),
+    Variant("swapped", "the bytes of every number in the other order", _swapped_bytes),
+    Variant("read-only", "samples that cannot be written", _read_only),
+    Variant("stride-0", "equal samples along an axis, once in memory", _without_stride),
+    *(Variant(kind, f"samples as {meaning}", _as_type(kind)) for kind, meaning in TYPES.items()),
     *(
-        Variant(kind, f"samples as {meaning}", _as_type(kind))
-        for kind, meaning in (
-            ("float32", "single precision"),
-            ("float64", "double precision"),
-            ("int16", "16-bit integers"),
-            ("uint8", "bytes"),
-        )
+        Variant(f"magnitude/{word}", f"values and isovalue times {word}", _magnified(exponent))
+        for word, exponent in MAGNITUDES.items()
     ),
+    *(
+        Variant(f"offset/{word}", f"values and isovalue plus {word} times their range", _lifted(x))
+        for word, x in OFFSETS.items()
+    ),
+    Variant("kept", "the answer as it is after another field was asked", _repeat, calls="kept"),
+    Variant("threads", "asked from four threads at once", _repeat, calls="threads"),
+    Variant("many", "asked many times in one process", _repeat, calls="many"),
+    Variant("timed", "timed, the best of three", _repeat, calls="timed"),
+    Variant("larger", "twice as large along each axis, timed", _larger, calls="timed"),
+    Variant("infinite", "an infinite isovalue", _infinite),
     Variant("nan", "the middle sample is not a number", _nan),
     Variant("above", "an isovalue above every sample", _beyond(1)),
     Variant("below", "an isovalue below every sample", _beyond(-1)),

@@ -127,6 +127,8 @@ class DirectoryAdapter:
         """The mesh that was found for the request, as it stands in the file."""
         if reason := refusal(request, self.declaration):
             return Outcome(Status.DECLINED, detail=reason)
+        if request.calls != "once":
+            return Outcome(Status.DECLINED, detail="files hold one answer a field")
         entry = self._entries.get((request.case, request.variant))
         if entry is None:
             return Outcome(Status.DECLINED, detail=f"not exported: variant {request.variant}")

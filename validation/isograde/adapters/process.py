@@ -52,7 +52,11 @@ class ProcessAdapter(ABC):
 
     `number` counts the requests. An answer has to return it, so that one that comes late, or twice,
     cannot pass for the answer to the next request.
+
+    `calls` says that it can put a request in other ways than once (`isograde.model.Calls`).
     """
+
+    calls = False
 
     def __init__(self, spec: str):
         self.spec = spec
@@ -87,6 +91,8 @@ class ProcessAdapter(ABC):
         """The outcome of one call, as it came; nothing is sent that the limits refuse."""
         if reason := refusal(request, self.declaration):
             return Outcome(Status.DECLINED, detail=reason)
+        if request.calls != "once" and not self.calls:
+            return Outcome(Status.DECLINED, detail="it answers one question at a time")
         try:
             self._child = self._child or self._start()
             self._child.allow(self.limits)

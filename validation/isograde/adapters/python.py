@@ -27,6 +27,8 @@ LARGEST_SPAN = 16
 class PythonAdapter(ProcessAdapter):
     """A Python function behind a pipe; `spec` is what `isograde.adapters.loading.load` reads."""
 
+    calls = True
+
     def __init__(self, spec: str):
         super().__init__(spec)
         self._directory = own_directory(self)
@@ -58,6 +60,8 @@ class PythonAdapter(ProcessAdapter):
             "isovalues": [float(isovalue) for isovalue in request.isovalues],
             "spacing": request.field.spacing,
             "strides": _strides(values),
+            "writeable": values.flags.writeable,
+            "calls": request.calls,
             "seconds": self.limits.seconds,
         }
         child.write(pack(header, [values], self._directory / "request"))

@@ -56,7 +56,13 @@ def block(case: Case, ranges: Ranges) -> Case:
     samples = int(np.prod([stop - start for start, stop in ranges]))
     build = partial(cut, case, ranges)
     return Case(
-        f"{case.id}[{named}]", build, case.isovalues, samples, case.tags - WHOLE, kind=case.kind
+        f"{case.id}[{named}]",
+        build,
+        case.isovalues,
+        samples,
+        case.tags - WHOLE,
+        kind=case.kind,
+        only=case.only,
     )
 
 

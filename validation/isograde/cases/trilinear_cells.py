@@ -100,11 +100,14 @@ def _first(name: str, seed: int, skip: int = 0) -> Floats:
 
 
 @cache
-def far(name: str, seed: int) -> tuple[Floats, Floats]:
-    """A cell with the tunnel of this case, and one with the same signs and faces without it."""
-    inside = _first(name, seed)
+def far(name: str, seed: int, base: int = 0) -> tuple[Floats, Floats]:
+    """A cell with the tunnel of this case, and one with the same signs and faces without it.
+
+    Another `base` is another cell with the tunnel, and the first without that fits after as many.
+    """
+    inside = _first(name, seed, base)
     wanted = topology_of(inside)
-    for skip in range(400):
+    for skip in range(base, 400):
         plain = _first(TUNNELS[name], seed, skip)
         for symmetry, sign, found in _positions(topology_of(plain)):
             if (found.signs, found.faces) == (wanted.signs, wanted.faces):
@@ -120,9 +123,9 @@ def _positions(one: Topology) -> Iterator[tuple[Symmetry, int, Topology]]:
 
 
 @cache
-def near(name: str, seed: int, bits: int) -> tuple[Floats, Floats]:
+def near(name: str, seed: int, bits: int, base: int = 0) -> tuple[Floats, Floats]:
     """Two cells between `far`'s, 2 ** -bits of the way apart: with the tunnel, and without."""
-    inside, outside = far(name, seed)
+    inside, outside = far(name, seed, base)
 
     def between(s: float) -> Floats:
         return np.asarray(np.round((inside + s * (outside - inside)) / UNIT) * UNIT)

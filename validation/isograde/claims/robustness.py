@@ -64,11 +64,14 @@ def out_of_range(trial: Trial) -> Finding:
     """Pass when an isovalue beyond every sample gives nothing; below, only at open ends."""
     capped = any(end.end == "closed" for end in trial.declaration.ends(trial.kind.n))
     asked = 0
-    for name in ("above",) if capped else ("above", "below"):
+    for name in ("above", "infinite") if capped else ("above", "below", "infinite"):
         outcome = trial.outcomes.get(name)
         if outcome is None or outcome.status is Status.DECLINED:
             continue
         asked += 1
+        # Whether infinity is an isovalue is a matter of taste: an error will do.
+        if name == "infinite" and outcome.status is Status.RAISED:
+            continue
         if outcome.status is not Status.OK:
             return Finding(VERDICT_OF[outcome.status], outcome.detail, {"variant": name})
         if outcome.simplices is None or len(outcome.simplices):
@@ -131,11 +134,12 @@ CLAIMS = (
     ),
     _claim(
         "out_of_range",
-        "An isovalue above every sample gives no simplices (or the declared error), and one below "
-        "every sample neither, unless the surface is capped at the border.",
+        "An isovalue above every sample gives no simplices (or the declared error), an infinite "
+        "one neither (or an error), and one below every sample neither, unless the surface is "
+        "capped at the border.",
         out_of_range,
         None,
-        ("above", "below"),
+        ("above", "below", "infinite"),
         needs_mesh=False,
     ),
     _claim(

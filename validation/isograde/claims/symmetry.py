@@ -77,8 +77,9 @@ from isograde.oracles.traces import Traces, alike, traces
 # A saddle this near the isovalue, relative to the products that decide, may fall either way when
 # values are rounded anew.
 ROUNDED = 1e-6
-# Places are the same within so many tolerances of the lattice.
+# Places are the same within so many tolerances of the lattice, and areas within so many.
 NEAR = 8
+ROUGH = 100
 DESIGN = "isograde design, level 2: the same answer however the field is posed"
 
 Difference = Callable[[Trial, Complex, variants.Variant], str]
@@ -89,25 +90,25 @@ def same(difference: Difference, *asked: str) -> Judge:
 
     @on_mesh
     def judge(trial: Trial) -> Finding:
-        compared, empty = 0, not len(complex_of(trial).simplices)
+        same_ones, empty = 0, not len(complex_of(trial).simplices)
         for name in variants.named(asked, trial.kind):
             if name not in trial.outcomes or not _posed_alike(trial, name):
                 continue
             outcome = trial.outcomes[name]
             if outcome.status is Status.DECLINED:
                 continue
-            finding = _compared(trial, outcome, variants.variant(name, trial.kind), difference)
+            finding = compared(trial, outcome, variants.variant(name, trial.kind), difference)
             if finding.verdict is not Verdict.PASS:
                 return finding
-            compared += 1
-        if not compared:
+            same_ones += 1
+        if not same_ones:
             return skipped(f"neither values nor limits allow {' or '.join(asked)}")
-        return skipped("both answers are empty") if empty else passed(variants=compared)
+        return skipped("both answers are empty") if empty else passed(variants=same_ones)
 
     return judge
 
 
-def _compared(
+def compared(
     trial: Trial, outcome: Outcome, variant: variants.Variant, difference: Difference
 ) -> Finding:
     """Whether the variant's answer is the plain one."""
@@ -270,7 +271,55 @@ def _same_traces(trial: Trial, other: Complex) -> str:
         )
     mine = complex_of(trial)
     on_edges = [_on_edges(lattice, mesh) for mesh in (mine, other)]
-    return _moved(lattice, *on_edges)
+    if told := _moved(lattice, *on_edges):
+        return told
+    # Go on inside the cells whose faces are all judged, and bear no flat triangle.
+    settled = (judged.all(axis=1) & ~_under_flat(ours))[row] & ~_under_flat(theirs)[other_row]
+    return _same_inside(lattice, (ours, row[settled]), (theirs, other_row[settled]), (mine, other))
+
+
+def _under_flat(found: Traces) -> Booleans:
+    """(n,) cells that a triangle lies flat on a face of."""
+    under = np.zeros(len(found.cell), bool)
+    rows = np.concatenate([found.lying.below, found.lying.above])
+    under[rows[rows >= 0]] = True
+    return under
+
+
+def _same_inside(
+    lattice: Lattice,
+    ours: tuple[Traces, Integers],
+    theirs: tuple[Traces, Integers],
+    meshes: tuple[Complex, Complex],
+) -> str:
+    """How what is inside the cells differs, whose curves on their faces are the same.
+
+    How triangles are cut is free. Their number gives the Euler characteristic away, and the sum of
+    their areas as vectors is that of any surface with the same curves, if all are turned alike.
+    """
+    (mine, row), (others, other_row) = ours, theirs
+    changed = mine.excess[row] != others.excess[other_row]
+    if changed.any():
+        first = mine.place[row[changed][0]].tolist()
+        return f"{int(changed.sum())} cells hang together otherwise, the first is that at {first}"
+    cell = np.ravel_multi_index(tuple(mine.place[row].T), lattice.shape)
+    areas = [_areas(lattice, mesh)[cell] for mesh in meshes]
+    turned = (np.abs(areas[0] - areas[1]) > ROUGH * lattice.tolerance).any(axis=1)
+    if turned.any():
+        first = mine.place[row[turned][0]].tolist()
+        return f"{int(turned.sum())} cells have triangles turned over, the first is that at {first}"
+    return ""
+
+
+def _areas(lattice: Lattice, mesh: Complex) -> Floats:
+    """(N, 3) the sum of the areas, as vectors, of the triangles of each cell."""
+    corners = mesh.points[mesh.simplices]
+    if not len(corners):
+        return np.zeros((int(np.prod(lattice.shape)), 3))
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    cell = _cells(lattice, corners.mean(axis=1))
+    size = int(np.prod(lattice.shape))
+    return np.stack([np.bincount(cell, part, size) for part in area.T], axis=1)
 
 
 def _same_squares(trial: Trial, other: Complex) -> str:
@@ -473,8 +522,7 @@ def two_components(kind: Kind) -> bool:
     return kind.m > 1
 
 
-LAYOUTS = ("fortran", "strided", "backwards")
-TYPES = ("float32", "float64", "int16", "uint8")
+LAYOUTS = ("fortran", "strided", "backwards", "swapped", "read-only", "stride-0")
 
 
 def _claim(
@@ -542,7 +590,8 @@ CLAIMS = (
     ),
     _claim(
         "symmetry.layout",
-        "The order of the samples in memory does not change the answer.",
+        "How the samples lie in memory does not change the answer: the order of axes and of bytes, "
+        "gaps, whether they can be written.",
         same_simplices,
         LAYOUTS,
         every_family,
@@ -551,7 +600,7 @@ CLAIMS = (
         "symmetry.type",
         "The same numbers in another type give the same answer, up to rounding.",
         same_simplices,
-        TYPES,
+        tuple(variants.TYPES),
         every_family,
     ),
 )

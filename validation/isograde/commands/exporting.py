@@ -68,6 +68,7 @@ def _posed(case: Case, names: set[str]) -> list[Request]:
     field, found = case.build(), []
     for name in sorted(variants.named(sorted(names), case.kind)):
         way = variants.pose(name, case, field)
-        if way is not None:
+        # A file holds samples, and cannot say how a program is to be called.
+        if way is not None and variants.variant(name, case.kind).calls == "once":
             found.append(Request(case.id, name, *way))
     return found

@@ -148,8 +148,12 @@ class Lattice:
 
     @cached_property
     def reach(self) -> float:
-        """Distance, in units of the spacing, from which a crossing ties the sample."""
-        return max(ROOM * self.tolerance, 2 * (self.declared.soup or 0.0))
+        """Distance, in units of the spacing, from which a crossing ties the sample.
+
+        Beyond sixteen thousand samples an axis single precision leaves less room; a crossing in
+        the middle of its edge never ties.
+        """
+        return max(min(ROOM * self.tolerance, 0.25), 2 * (self.declared.soup or 0.0))
 
     def index(self, points: Floats) -> Floats:
         """Index coordinates of world positions; those at the domain's ends stand there exactly.

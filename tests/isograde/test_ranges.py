@@ -1,0 +1,59 @@
+"""How far an answer stays is measured: everywhere, down to an epsilon, up to lost digits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from isograde.cases import all_cases
+from isograde.declaration import Declaration
+from isograde.model import Finding, Verdict
+
+from tests.isograde import mistaken
+from tests.isograde.judging import Here, grade
+
+CASE = "noise/white-5x6x7"
+
+
+def measured(function: Any, claim: str) -> Finding:
+    """What this claim says of a function in this process."""
+    here = Here(function, Declaration("here"))
+    [(_, _, found)] = grade(here, [all_cases()[CASE]], claim)
+    return found
+
+
+def test_the_reference_stays_the_same_from_end_to_end() -> None:
+    """From 1e-300 to 1e300, and on a million times the range."""
+    scale = measured(mistaken.correct, "range.scale")
+    assert (scale.verdict, dict(scale.numbers)) == (
+        Verdict.PASS,
+        {"least": "1e-300", "greatest": "1e+300"},
+    )
+    shift = measured(mistaken.correct, "range.shift")
+    assert (shift.verdict, dict(shift.numbers)) == (Verdict.PASS, {"offset": "1e6"})
+
+
+def test_an_absolute_epsilon_ends_the_range_of_small_values() -> None:
+    """Of "range.scale": a thousandth of a thousandth is lost between 2^-10 and 2^-20."""
+    found = measured(mistaken.with_epsilon, "range.scale")
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers == {"least": "2^-10", "greatest": "1e+300"}
+
+
+def test_single_precision_ends_the_ranges_where_its_numbers_end() -> None:
+    """Of "range.shift": digits are lost beyond 2^10; and 2^-126 and 2^128 are not passed."""
+    shift = measured(mistaken.in_single_precision, "range.shift")
+    assert shift.verdict is Verdict.FAIL
+    assert shift.numbers == {"offset": "2^10"}
+    scale = measured(mistaken.in_single_precision, "range.scale")
+    assert scale.verdict is Verdict.FAIL
+    assert scale.numbers == {"least": "2^-60", "greatest": "2^+60"}
+
+
+@pytest.mark.parametrize("name", ["range.scale", "range.shift"])
+def test_nobody_need_promise_a_range(name: str) -> None:
+    """A matter of degree, beside the ladder."""
+    from isograde.claims import CLAIMS
+
+    assert CLAIMS[name].level is None
+    assert not CLAIMS[name].held(Declaration("anybody", level=2))

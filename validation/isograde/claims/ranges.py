@@ -1,0 +1,90 @@
+"""How far the answer stays the same: over which magnitudes, and on what offsets.
+
+Level 2 asks for the same answer to values four times as large and to values moved by about their
+size (`isograde.claims.symmetry`). How much farther it stays is a matter of degree: a program that
+calculates in single precision must overflow somewhere, and one with an absolute tolerance changes
+its answer much sooner. So values are multiplied by powers of two from 1e-300 to 1e300, moved by up
+to a million times their range, without a digit being lost, and it is said how far the answer went.
+Nobody need promise any of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from isograde import variants
+from isograde.claims.evidence import complex_of, failed, on_mesh, passed, skipped
+from isograde.claims.symmetry import compared, same_simplices
+from isograde.model import Claim, Finding, Status, Trial, Verdict
+
+DESIGN = "isograde design: magnitudes from tiny to huge, offsets that eat the mantissa"
+LESS = tuple(word for word in variants.MAGNITUDES if word[2] == "-")
+MORE = tuple(word for word in variants.MAGNITUDES if word[2] == "+")
+
+
+def scale(trial: Trial) -> Finding:
+    """Pass when the answer is the same at every magnitude that doubles can be brought to."""
+    return _told(trial, {"least": ("magnitude/", LESS), "greatest": ("magnitude/", MORE)})
+
+
+def shift(trial: Trial) -> Finding:
+    """Pass when the answer is the same on every offset on which doubles lose no digit."""
+    return _told(trial, {"offset": ("offset/", tuple(variants.OFFSETS))})
+
+
+def _told(trial: Trial, ways: dict[str, tuple[str, tuple[str, ...]]]) -> Finding:
+    """How far the answer stays in each of these directions."""
+    if not len(complex_of(trial).simplices):
+        return skipped("the answer is empty")
+    numbers: dict[str, str] = {}
+    faults: list[str] = []
+    asked = 0
+    for end, (prefix, words) in ways.items():
+        numbers[end], fault, count = _farthest(trial, prefix, words)
+        asked += count
+        faults += [fault] if fault else []
+    if not asked:
+        return skipped("neither values nor limits allow it")
+    if not faults:
+        return passed(**numbers)
+    return failed("; ".join(faults), **numbers)
+
+
+def _farthest(trial: Trial, prefix: str, words: Iterable[str]) -> tuple[str, str, int]:
+    """The last of the words at which the answer is the plain one, what changed then, how many."""
+    last, asked = "1" if prefix == "magnitude/" else "0", 0
+    for word in words:
+        outcome = trial.outcomes.get(prefix + word)
+        if outcome is None or outcome.status is Status.DECLINED:
+            continue
+        asked += 1
+        variant = variants.variant(prefix + word, trial.kind)
+        finding = compared(trial, outcome, variant, same_simplices)
+        if finding.verdict is not Verdict.PASS:
+            return last, finding.detail, asked
+        last = word
+    return last, "", asked
+
+
+CLAIMS = (
+    Claim(
+        "range.scale",
+        "Values and isovalue times any power of two from 1e-300 to 1e300 give the same mesh.",
+        DESIGN,
+        None,
+        on_mesh(scale),
+        tags=frozenset({"ranges"}),
+        variants=("magnitude/",),
+        promised=False,
+    ),
+    Claim(
+        "range.shift",
+        "Values and isovalue moved by up to a million times their range give the same mesh.",
+        DESIGN,
+        None,
+        on_mesh(shift),
+        tags=frozenset({"ranges"}),
+        variants=("offset/",),
+        promised=False,
+    ),
+)
