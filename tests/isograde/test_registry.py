@@ -9,8 +9,8 @@ from isograde.model import LEVELS
 from tests.isograde import (
     miniatures,
     test_accuracy,
-    test_claims_calls,
     test_cells,
+    test_claims_calls,
     test_curves,
     test_geometry,
     test_perfect_claim,
