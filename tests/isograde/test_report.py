@@ -204,7 +204,11 @@ def test_the_page_shows_each_failure_with_picture_numbers_and_command(report: Re
         assert f'id="failure-{summary.id}"' in text
     assert text.count('<svg class="pic"') >= len(report.evidence)
     assert 'class="gap"' in text
-    assert "isograde grade isoref:lorensen-cline --only pairs/0217 --only topology.closed" in text
+    smallest = report.evidence["topology.closed"]
+    assert smallest["of"] == "pairs/0217"
+    asked = f"--only {smallest['case']} --only topology.closed"
+    assert f"isograde grade isoref:lorensen-cline {asked}" in text
+    assert "Cut out of pairs/0217; its values are as simple as they can be." in text
 
 
 def test_a_page_shows_of_every_claim_its_rule_source_and_evidence() -> None:
@@ -343,6 +347,16 @@ def test_a_triangle_turned_over_changes_colour() -> None:
         ({"at": [0.5, 0.5, 0.5]}, "ring", 1),
         ({"first": [[0, 0, 0], [1, 0, 0]]}, "sore-line", 1),
         ({"first": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}, "sore-line", 3),
+        (
+            {"first": [[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 1], [1, 0, 1], [0, 1, 1]]]},
+            "sore-line",
+            6,
+        ),
+        ({"vertex": 1}, "ring", 1),
+        ({"simplex": 0}, "sore-line", 3),
+        ({"vertex": 7, "simplex": 7}, "ring", 0),
+        ({"corners": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]]}, "sore-line", 6),
+        ({"cell": [0, 0, 0], "face": 3}, "sore-line", 4),
         ({"cell": [0, 0, 0]}, "sore-line", 12),
         ({"sample": [0, 0, 0], "axes": [2]}, "sore-line", 1),
         ({"sample": [0, 0, 0], "axes": [0, 1]}, "sore-line", 4),
@@ -355,6 +369,19 @@ def test_the_fault_is_drawn_where_the_numbers_say(
 ) -> None:
     evidence = _corner(**numbers)
     assert picture(evidence, evidence["came"]).count(f'class="{drawn}"') == count
+
+
+def test_triangles_that_lie_flat_in_a_face_are_tinted() -> None:
+    """At the facet that is named, in the face between two cells; not in the border."""
+    values = [1.0] + [0.0] * 11
+    vertices = [[1.0, 0.2, 0.0], [1.0, 0.8, 0.0], [1.0, 0.5, 0.9], [0.0, 0.5, 0.5]]
+    evidence = {
+        **_corner(first=vertices[:2]), "shape": [3, 2, 2], "values": values,
+        "came": {"vertices": vertices, "simplices": [[0, 1, 2], [0, 1, 3]]},
+    }  # fmt: skip
+    assert picture(evidence, evidence["came"]).count('class="level"') == 1
+    evidence["shape"], evidence["values"] = [2, 2, 2], values[:8]
+    assert 'class="level"' not in picture(evidence, evidence["came"])
 
 
 def test_an_answer_that_is_missing_leaves_the_samples() -> None:

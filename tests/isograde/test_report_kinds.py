@@ -9,13 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from isograde import grading
+from isograde.cases import all_cases
 from isograde.declaration import declaration_from
-from isograde.model import CONTOURS, CURVES, SURFACES, Case, Kind
+from isograde.model import CONTOURS, CURVES, SURFACES, Case, Kind, Outcome, Status
 from isograde.report.page import page
 from isograde.report.picture import picture
 from isograde.report.reading import Report
 from isograde.report.snippet import snippet
+from isograde.runner import Evidence, Judged, Worker, claims_for
 from isoref.field import Field
+from isoref.methods import METHODS
 
 from tests.isograde.judging import Here
 from tests.isograde.reporting import graded
@@ -24,7 +27,9 @@ POINTS = Kind(2, 2)
 FLAT = Kind(4, 1)
 BEYOND = Kind(4, 2)
 BROKEN = """
+from isograde.runner import Evidence, Judged, Worker, claims_for
 from isoref.field import Field
+from isoref.methods import METHODS
 from isoref.simplicial import extract
 
 KINDS = [[2, 1], [3, 1], [3, 2], [2, 2], [4, 1], [4, 2]]
@@ -163,6 +168,28 @@ def test_a_legal_answer_of_the_same_split_stands_beside(file: Path) -> None:
     evidence = report.evidence["topology.closed"]
     assert len(evidence["legal"]["simplices"]) == len(evidence["came"]["simplices"]) + 1
     assert "sore-line" not in picture(evidence, evidence["legal"])
+
+
+@pytest.mark.parametrize(
+    ("level", "method", "right"),
+    [
+        (2, "asymptotic-decider", True),
+        (4, "asymptotic-decider", False),
+        (4, "trilinear-cubes", True),
+    ],
+)
+def test_a_legal_answer_satisfies_every_level_that_is_claimed(
+    level: int, method: str, right: bool
+) -> None:
+    """Issue 12: who promises the topology inside cells is shown an answer that has it."""
+    case = all_cases(0)["trilinear/each/7.4.2/0"]
+    field, declared = case.build(), declaration_from({"level": level}, "it")
+    worker = Worker(Here(print, declared), declared, all_cases(0), claims_for(declared))
+    judged = Judged(case.id, case.kind, {}, evidence=Evidence(field, case.isovalues, {}))
+    mesh = METHODS[method](field, case.isovalues[0])
+    answer = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+    writer = grading.Writer(io.StringIO(), worker)
+    assert writer._right("topology.manifold", judged, answer) is right
 
 
 @pytest.mark.parametrize("kind", [CONTOURS, SURFACES, CURVES])

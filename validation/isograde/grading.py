@@ -18,6 +18,7 @@ import numpy as np
 
 from isograde.adapters import open_adapter
 from isograde.adapters.loading import called
+from isograde.causes import roots
 from isograde.declaration import Declaration
 from isograde.model import (
     BAD,
@@ -34,7 +35,7 @@ from isograde.model import (
 )
 from isograde.report import lines, reading, record, shown
 from isograde.runner import Evidence, Judged, Options, Task, Worker, plan, run
-from isograde.shrinking import SMALL, shrink
+from isograde.shrinking import shrink
 
 # A second process costs a start; below so many cases it does not pay.
 CASES_PER_JOB = 60
@@ -45,23 +46,28 @@ CONTRAST: Mapping[Kind, tuple[str, ...]] = {
     CONTOURS: ("isoref:diconex-mixed",),
     CURVES: ("isoref:marching-faces",),
 }
-SIMPLICIAL = "isoref:simplicial"
+SIMPLICIAL, LABELS = "isoref:simplicial", "isoref:label-cubes"
+DUAL = ("isoref:dual-marching-cubes", "isoref:surface-nets")
 
 Watch = Callable[[int, int, record.Tally], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Smallest:
-    """The smallest case on which a claim failed, and what it is a block of."""
+    """The smallest case on which a claim failed, and what it is made from.
+
+    follows : the claim fails there because another does
+    """
 
     judged: Judged
     samples: int
     of: str = ""
+    follows: bool = False
 
     @property
-    def size(self) -> tuple[bool, int]:
-        """What makes a case small: general position first."""
-        return (not self.judged.general, self.samples)
+    def size(self) -> tuple[bool, bool, int]:
+        """What makes a case small: general position first, then that the claim is the root."""
+        return (not self.judged.general, self.follows, self.samples)
 
 
 def grade(
@@ -157,7 +163,7 @@ class Writer:
             self.write(shown.evidence_record(claim, judged, one.of, answer, posed))
 
     def _legal(self, judgements: Mapping[str, Judged], options: Options) -> dict[str, Outcome]:
-        """For each claim an answer to its failed case of which it holds, where one was found."""
+        """For each claim an answer to its failed case that is right, where one was found."""
         found: dict[str, Outcome] = {}
         declared = self.worker.declaration
         for spec in _references(declared, {judged.kind for judged in judgements.values()}):
@@ -165,50 +171,68 @@ class Writer:
             answers = contrast(spec, list(asked.values()), options, declared)
             for name, judged in asked.items():
                 answer = answers.get(judged.case)
-                if answer is not None and self._holds(name, judged, answer):
+                if answer is not None and self._right(name, judged, answer):
                     found[name] = answer
         return found
 
-    def _holds(self, name: str, judged: Judged, answer: Outcome) -> bool:
-        """Whether the claim holds of this answer; one that compares variants is not asked."""
-        claim, evidence = self.worker.claims[name], judged.evidence
-        if (
-            claim.variants
-            or evidence is None
-            or (claim.needs_mesh and answer.mesh_of(judged.kind) is None)
-        ):
+    def _right(self, name: str, judged: Judged, answer: Outcome) -> bool:
+        """Whether the claim holds of this answer, and none fails of the levels that are claimed.
+
+        Claims that compare variants are not asked: there is one answer.
+        """
+        claims, evidence, declared = self.worker.claims, judged.evidence, self.worker.declaration
+        if claims[name].variants or evidence is None or answer.mesh_of(judged.kind) is None:
             return False
-        case, declared = self.worker.cases[judged.case], self.worker.declaration
+        case = self.worker.cases[judged.case]
         trial = Trial(case, evidence.field, declared, {"plain": answer})
-        return claim.judge(trial).verdict is Verdict.PASS
+        if claims[name].judge(trial).verdict is not Verdict.PASS:
+            return False
+        claimed = (
+            claim
+            for claim in claims.values()
+            if claim.level is not None
+            and claim.level <= declared.level
+            and not claim.variants
+            and claim.applies_to(case)
+        )
+        return not any(claim.judge(trial).verdict in BAD for claim in claimed)
 
 
 def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
     """`smallest` knows this case for each claim that failed on it and on no smaller one.
 
-    A case in general position is shown before one with ties: it is the one that ends a level.
+    A case in general position is shown before one with ties: it is the one that ends a level. One
+    on which the claim is the root comes before one on which it follows from another.
     """
+    bad = {name: one.numbers for name, one in judged.findings.items() if one.verdict in BAD}
+    root = roots(bad)
     for claim, finding in judged.findings.items():
         known = smallest.get(claim)
-        size = (not judged.general, samples)
-        if finding.verdict in BAD and (known is None or size < known.size):
-            smallest[claim] = Smallest(judged, samples)
+        if finding.verdict not in BAD:
+            continue
+        one = Smallest(judged, samples, follows=root[claim] != claim)
+        if known is None or one.size < known.size:
+            smallest[claim] = one
 
 
 def _references(declared: Declaration, kinds: Collection[Kind]) -> list[str]:
-    """The references to ask about these kinds: those of the same split, where it is Kuhn's."""
+    """The references to ask about these kinds, of the declared family; the simplest answer first.
+
+    Of a split there are those of the same one, where it is Kuhn's.
+    """
     if declared.interpolant == "tetrahedra":
         return [] if declared.split.simplices else [SIMPLICIAL]
+    if declared.vertices == "cells":
+        return list(DUAL)
     specs = [spec for kind in kinds for spec in CONTRAST.get(kind, (SIMPLICIAL,))]
-    return list(dict.fromkeys(specs))
+    labels = [LABELS] if declared.interpolant == "labels" else []
+    return list(dict.fromkeys([*labels, *specs]))
 
 
 def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
-    """The smallest block of the case on which the claim still fails, or the case as it is."""
-    if found.samples <= SMALL:
-        return found
+    """The smallest and simplest part of the case on which the claim fails, or the case as it is."""
     case = worker.cases[found.judged.case]
-    less = shrink(worker, case, worker.claims[claim])
+    less = shrink(worker, case, worker.claims[claim], found.judged)
     if less is None:
         return found
     return Smallest(less, worker.cases[less.case].samples, case.id)

@@ -39,7 +39,7 @@ from isoref.field import Field
 from isograde import variants
 from isograde.adapters import open_adapter
 from isograde.adapters.conventions import refusal
-from isograde.cases import all_cases, blocks
+from isograde.cases import all_cases, blocks, given
 from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
 from isograde.declaration import Declaration
@@ -174,9 +174,9 @@ def _select(
 
 
 def _is_block(name: str, cases: Mapping[str, Case]) -> bool:
-    """Whether this names a block of a known case."""
+    """Whether this names a block of a known case, or spells a case out."""
     named = blocks.parse(name)
-    return named is not None and named[0] in cases
+    return given.parse(name) is not None or (named is not None and named[0] in cases)
 
 
 def _matches(name: str, globs: Sequence[str]) -> bool:

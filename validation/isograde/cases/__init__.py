@@ -13,6 +13,7 @@ from isograde.cases import (
     contours,
     cost,
     curves,
+    given,
     magnitudes,
     mosaics,
     nielson_hamann,
@@ -54,10 +55,12 @@ FAMILIES: dict[str, ModuleType] = {
 
 
 class Catalogue(dict[str, Case]):
-    """Cases by id; a block of a case is found by its name, though it is not listed."""
+    """Cases by id; a block of a case, or one spelt out, is found by its name, though not listed."""
 
     def __missing__(self, name: str) -> Case:
-        """The block of this name. Raises `KeyError` where there is no such case."""
+        """The case of this name. Raises `KeyError` where there is none."""
+        if (spelt := given.parse(name)) is not None:
+            return spelt
         named = blocks.parse(name)
         if named is None or named[0] not in self:
             raise KeyError(name)

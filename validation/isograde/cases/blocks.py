@@ -19,7 +19,7 @@ Ranges = tuple[tuple[int, int], ...]
 NAME = re.compile(r"(?P<case>[^\[\]]+)\[(?P<ranges>\d+:\d+(,\d+:\d+)*)\]")
 # What is known of a whole surface is not known of a part, and a part may run into the border.
 WHOLE = frozenset(
-    {"closed", "bordered", "analytic", "nielson-hamann", "full", "cells", "pairs"}
+    {"closed", "bordered", "analytic", "nielson-hamann", "full"}
     | {"known", "open", "curved", "flat", "volume", "levels", "touching"}
 )
 

@@ -43,6 +43,7 @@ KEYS = {
     1: (*_SIDES, ("run", "segments"), ("spot", "loose end"), *_FAULT),
     2: (*_SIDES, ("front", "seen from outside"), ("back", "from inside"), *_OPEN, *_FAULT),
 }
+_LEVEL = ("level", "flat in a face between cells")
 BEYOND = (("run", "edges of simplices"), *_OPEN, *_FAULT)
 
 
@@ -118,11 +119,12 @@ def _families_of_cases(report: Report) -> dict[str, int]:
 def _shown(report: Report, summary: Summary) -> dict[str, Any]:
     """A failed claim with its pictures and the lines that reproduce it."""
     record = report.evidence.get(summary.id)
+    pictures = [] if record is None else _pictures(report, record)
     return {
         "summary": summary,
         "failure": summary.failure,
-        "pictures": [] if record is None else _pictures(report, record),
-        "key": () if record is None else _key(record),
+        "pictures": pictures,
+        "key": () if record is None else _key(record, pictures),
         "note": _note(record),
         "record": record,
         "command": words.reproduce(report, summary),
@@ -131,9 +133,15 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
     }
 
 
-def _key(record: JSON) -> tuple[tuple[str, str], ...]:
-    """What is what in the pictures of this record."""
+def _key(record: JSON, drawn: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    """What is what in the pictures of this record; of what is seldom, only what is drawn."""
     n, m = record["kind"]
+    seldom = (_LEVEL,) if any('class="level"' in svg for _, svg in drawn) else ()
+    return (*_usual(n, m), *seldom)
+
+
+def _usual(n: int, m: int) -> tuple[tuple[str, str], ...]:
+    """What is what in the pictures of a kind."""
     return KEYS.get(n - m, BEYOND) if n <= 3 else BEYOND
 
 

@@ -11,8 +11,14 @@ than two simplices are violet. What a finding's numbers name is marked, in index
 
     first         a point, or the corners of a facet or simplex       ring, or thick line
     at            a point                                             ring
-    cell          the lowest corner of a cell                         shaded box
-    sample, axes  a sample and the axes of the face that begins there shaded face, or thick edge
+    first         several simplices, such as two that cross           an outline of each
+    vertex, simplex  its number in the mesh                           ring, or outline
+    corners       the corners of a simplex of a split                 its edges
+    cell          the lowest corner of a cell                         its edges
+    cell, face    the same, and the number of one of its faces        the face's edges
+    sample, axes  a sample and the axes of the face that begins there its edges
+
+Triangles at a facet so named that lie flat in the face between two cells are tinted violet.
 """
 
 from __future__ import annotations
@@ -272,22 +278,70 @@ def facets_of(rows: Integers) -> dict[tuple[int, ...], int]:
 
 
 def _fault(view: View, scene: Scene) -> Iterator[Part]:
-    """What the finding names: points, a cell, or a face of the lattice."""
-    for name in ("first", "at"):
-        marked = points_of(scene.numbers.get(name), scene.n)
-        if marked is None:
-            continue
+    """What the finding names: points, simplices, a cell, or a face of the lattice."""
+    for marked in _marked(scene):
         if len(marked) == 1:
             yield dot(view, marked[0], "ring", 9, nearer=NEAR)
         for a, b in pairwise([*marked, marked[0]][: len(marked) + (len(marked) > 2)]):
             yield line(view, a, b, "sore-line", nearer=2 * NEAR)
+    yield from _level(view, scene)
+    corners = points_of(scene.numbers.get("corners"), scene.n)
+    for a, b in combinations(corners if corners is not None else (), 2):
+        yield line(view, a, b, "sore-line", nearer=0.02)
     cell = points_of(scene.numbers.get("cell"), scene.n)
     if cell is not None:
-        yield from _block(view, cell[0], list(range(scene.n)))
+        yield from _block(view, *spanned(scene, cell[0]))
     sample = points_of(scene.numbers.get("sample"), scene.n)
     if sample is not None:
         axes = scene.numbers.get("axes", scene.numbers.get("axis", []))
         yield from _block(view, sample[0], [axes] if isinstance(axes, int) else list(axes))
+
+
+def _marked(scene: Scene) -> Iterator[Floats]:
+    """The points, facets and simplices that the finding names, by their places or by number."""
+    for name in ("first", "at"):
+        value = scene.numbers.get(name)
+        one = points_of(value, scene.n)
+        several = value if one is None and isinstance(value, list) else []
+        for part in (one, *(points_of(part, scene.n) for part in several)):
+            if part is not None:
+                yield part
+    for name, rows in (("vertex", np.arange(len(scene.points))), ("simplex", scene.simplices)):
+        number = scene.numbers.get(name)
+        if isinstance(number, int) and number < len(rows):
+            yield scene.points[rows[number]].reshape(-1, scene.n)
+
+
+def _level(view: View, scene: Scene) -> Iterator[Part]:
+    """The triangles at the fault that lie flat in a face, tinted."""
+    for corners in level_triangles(scene):
+        flat, depth = view.place(corners)
+        text = " ".join(f"{x:.1f},{y:.1f}" for x, y in flat)
+        svg = f'<polygon class="level" points="{text}"><title>flat in a face</title></polygon>'
+        yield Part(float(depth.max()) + NEAR / 4, svg)
+
+
+def level_triangles(scene: Scene) -> Iterator[Floats]:
+    """Triangles (3, 3) at the facet that is named which lie flat in a face between two cells."""
+    named = points_of(scene.numbers.get("first"), scene.n)
+    if (scene.n, scene.k) != (3, 2) or named is None or len(named) != 2:
+        return
+    top = np.asarray(scene.shape) - 1
+    for row in scene.shown:
+        corners = scene.points[row]
+        flat = (np.ptp(corners, axis=0) < 1e-6) & (corners[0] > 0.5) & (corners[0] < top - 0.5)
+        flat &= np.abs(corners[0] - np.rint(corners[0])) < 1e-6
+        if (flat & (np.abs(named - corners[0]).max(axis=0) < 1e-4)).any():
+            yield corners
+
+
+def spanned(scene: Scene, low: Floats) -> tuple[Floats, list[int]]:
+    """Where the cell at `low`, or the one of its faces that the finding names, begins; its axes."""
+    face = scene.numbers.get("face")
+    if scene.n != 3 or not isinstance(face, int):
+        return low, list(range(scene.n))
+    axis = face // 2
+    return low + np.eye(3)[axis] * (face % 2), [one for one in range(3) if one != axis]
 
 
 def _block(view: View, low: Floats, axes: list[int]) -> Iterator[Part]:

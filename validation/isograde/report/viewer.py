@@ -29,7 +29,7 @@ import numpy as np
 from isoref.field import Floats, Integers
 
 from isograde.report.lines import JSON
-from isograde.report.picture import Scene, facets_of, points_of
+from isograde.report.picture import Scene, facets_of, level_triangles, points_of, spanned
 
 # Keep so many simplices of an answer, and mark so many things of one kind.
 KEPT, MARKED = 300, 60
@@ -147,7 +147,9 @@ def _faults(scene: Scene, rows: Integers) -> Iterator[Mark]:
             yield from _outline("sore-line", marked)
     cell = points_of(numbers.get("cell"), scene.n)
     if cell is not None:
-        yield from _block(cell[0], range(scene.n))
+        yield from _block(*spanned(scene, cell[0]))
+    for corners in level_triangles(scene):
+        yield from _outline("level", corners)
     sample = points_of(numbers.get("sample"), scene.n)
     if sample is not None:
         axes = numbers.get("axes", numbers.get("axis", ()))

@@ -9,7 +9,7 @@ from typing import Any
 from isograde.model import EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.findings import Cause, Follower, causes, rights
 from isograde.report.headline import listed, missing, not_promised
-from isograde.report.reading import Report, Rung, Summary, bad_in
+from isograde.report.reading import Failure, Report, Rung, Summary, bad_in
 
 ORDER = (*EVIDENCE, Verdict.NOT_RUN, Verdict.UNSUPPORTED, Verdict.SKIP)
 # What counts are called: a case that is no evidence is none of the verdicts a reader knows.
@@ -99,6 +99,13 @@ def _fields(count: int) -> str:
 def partly(follower: Follower) -> str:
     """On how many of its cases a claim fails for another cause."""
     return f"{follower.cases:,} of the {follower.summary.bad:,} cases of {follower.summary.id}"
+
+
+def made_from(failure: Failure) -> str:
+    """What the smallest case was made from."""
+    if failure.case.startswith("given/"):
+        return f"Cut out of {failure.of}; its values are as simple as they can be."
+    return f"The smallest failing block of {failure.of}."
 
 
 def counted(summary: Summary) -> str:
