@@ -49,6 +49,9 @@ proof: $(STAMP)
 correct: $(STAMP)
 	$(BIN)/python -m tests.isograde.whole_plan
 
+coverage: $(STAMP)
+	$(BIN)/python -m tests.isograde.coverage
+
 papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from isograde.cases import all_cases
 from isograde.declaration import Declaration
@@ -41,13 +42,26 @@ def test_an_absolute_epsilon_ends_the_range_of_small_values() -> None:
 
 
 def test_single_precision_ends_the_ranges_where_its_numbers_end() -> None:
-    """Of "range.shift": digits are lost beyond 2^10; and 2^-126 and 2^128 are not passed."""
+    """Digits are lost beyond 2^10, and 2^-126 and 2^128 are not passed: degrees, no faults."""
     shift = measured(mistaken.in_single_precision, "range.shift")
-    assert shift.verdict is Verdict.FAIL
+    assert shift.verdict is Verdict.PASS
     assert shift.numbers == {"offset": "2^10"}
     scale = measured(mistaken.in_single_precision, "range.scale")
-    assert scale.verdict is Verdict.FAIL
+    assert scale.verdict is Verdict.PASS
     assert scale.numbers == {"least": "2^-60", "greatest": "2^+60"}
+
+
+def test_half_precision_loses_the_answer_on_an_offset() -> None:
+    """Of "range.shift": eleven bits do not hold a thousandth of an offset."""
+
+    def in_half(values: Any, isovalue: float, spacing: Any) -> Any:
+        with np.errstate(over="ignore"):
+            half = np.asarray(values, np.float64).astype(np.float16)
+        return mistaken.correct(np.nan_to_num(half), isovalue, spacing)
+
+    found = measured(in_half, "range.shift")
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers == {"offset": "0"}
 
 
 @pytest.mark.parametrize("name", ["range.scale", "range.shift"])
@@ -57,3 +71,18 @@ def test_nobody_need_promise_a_range(name: str) -> None:
 
     assert CLAIMS[name].level is None
     assert not CLAIMS[name].held(Declaration("anybody", level=2))
+
+
+def test_the_report_says_in_a_sentence_how_far_the_answer_stays() -> None:
+    """The least of all cases, either way."""
+    from isograde.report import words
+
+    from tests.isograde.reporting import graded
+
+    here = Here(mistaken.with_epsilon, Declaration("here"))
+    asked = [all_cases()[name] for name in (CASE, "types/signed")]
+    report = graded(here, "python:tests.isograde.mistaken:with_epsilon", asked)
+    assert words.ranges(report) == (
+        "The answer stays the same for values from 2^-10 to 1e300 times as large and on offsets "
+        "of up to 1e6 times their range."
+    )

@@ -30,6 +30,13 @@ from isograde.cases import (
 )
 from isograde.model import Case
 
+PLAN = 2
+"""The version of the plan: which cases there are, their numbers, and which run by default.
+
+Reports say it, and verdicts of unlike plans are not to be compared. 1 chose its cases by hand; 2
+chooses them by coverage (`reports/coverage.md`), and asks about types, shapes, magnitudes, calls.
+"""
+
 FAMILIES: dict[str, ModuleType] = {
     "cells": cells,
     "pairs": pairs,

@@ -26,6 +26,7 @@ def markdown(report: Report) -> str:
     if found:
         parts.append("## What failed")
         parts += [_cause(report, cause) for cause in found]
+    parts += filter(None, [words.ranges(report)])
     if report.measured:
         parts.append(_measured(report))
     parts.append(_all_claims(report))
@@ -115,7 +116,8 @@ def _run(report: Report) -> str:
     versions = header["versions"]
     return (
         f"{header['date']}: {footer['cases']:,} cases (checksum {footer['checksum']}), "
-        f"{footer['calls']:,} calls, {footer['seconds']:.0f} s, seed {header['seed']}; isograde "
+        f"{footer['calls']:,} calls, {footer['seconds']:.0f} s, plan {header.get('plan', 1)}, "
+        f"seed {header['seed']}; isograde "
         f"{versions.get('isograde', 'source')}, Python {versions['python']}, NumPy "
         f"{versions['numpy']}."
     )

@@ -407,6 +407,11 @@ class Report:
             if "order" in numbers
         ]
 
+    def figures_of(self, claim: str) -> list[JSON]:
+        """What was measured of this claim, case by case."""
+        every = (result["measured"].get(claim) for result in self.results)
+        return [numbers for numbers in every if numbers]
+
 
 def findings_of(result: JSON) -> Iterator[tuple[str, str, JSON | None]]:
     """Claim, verdict, and of what is no pass the finding."""

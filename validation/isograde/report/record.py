@@ -2,7 +2,8 @@
 
 One JSON object a line, each with the name of its ``record``, in this order:
 
-header    the implementation and what it declares, its kinds, versions, machine, seed, arguments
+header    the implementation and what it declares, its kinds, versions, machine, the plan's
+          version, seed, arguments
 claim     a line a claim that can be said of these kinds and this family: rule, source, level,
           whether it is promised; in a run of a part (``--only``) the claims asked for
 case      a line a case, followed at once by its
@@ -33,6 +34,7 @@ from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING
 
+from isograde.cases import PLAN
 from isograde.declaration import Declaration, declaration_json
 from isograde.model import JUDGE_FAULT, Case, Claim, Finding, Kind, Verdict, every_family
 from isograde.report.lines import FORMAT, JSON
@@ -59,6 +61,7 @@ def header(spec: str, declaration: Declaration, options: Options, arguments: lis
         "kinds": [list(kind) for kind in declaration.limits.kinds],
         "top": declaration.top,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "plan": PLAN,
         "seed": options.seed,
         "full": options.full,
         "only": list(options.only),

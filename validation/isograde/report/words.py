@@ -10,9 +10,13 @@ from isograde.model import EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.findings import Cause, Follower, causes, rights
 from isograde.report.headline import listed, missing, not_promised
 from isograde.report.reading import Failure, Report, Rung, Summary, bad_in
+from isograde.variants import MAGNITUDES, OFFSETS
 
 ORDER = (*EVIDENCE, Verdict.NOT_RUN, Verdict.UNSUPPORTED, Verdict.SKIP)
 # What counts are called: a case that is no evidence is none of the verdicts a reader knows.
+# Magnitudes and offsets from the nearest to the farthest.
+SMALLER, LARGER = (["1", *(word for word in MAGNITUDES if word[2] == sign)] for sign in "-+")
+FARTHER = ["0", *OFFSETS]
 CALLED = {Verdict.SKIP: "no evidence", Verdict.UNSUPPORTED: "declined"}
 
 
@@ -134,6 +138,23 @@ def evidence(summary: Summary) -> str:
     if not summary.bad:
         return f"holds on {summary.passed:,} cases" if summary.passed > 1 else "holds on 1 case"
     return f"fails on {summary.bad:,} of {summary.evidence:,} cases"
+
+
+def ranges(report: Report) -> str:
+    """Over which magnitudes and offsets the answer stays the same; nothing where nobody asked."""
+    scales, shifts = report.figures_of("range.scale"), report.figures_of("range.shift")
+    told = []
+    if scales:
+        least, greatest = (
+            min((str(one[end]) for one in scales), key=order.index)
+            for end, order in (("least", SMALLER), ("greatest", LARGER))
+        )
+        greatest = greatest.replace("+", "")
+        told.append(f"for values from {least} to {greatest} times as large")
+    if shifts:
+        offset = min((str(one["offset"]) for one in shifts), key=FARTHER.index)
+        told.append(f"on offsets of up to {offset} times their range")
+    return f"The answer stays the same {' and '.join(told)}." if told else ""
 
 
 def split(summary: Summary) -> str:
