@@ -1,0 +1,3 @@
+module marchingcubes
+
+go 1.21
