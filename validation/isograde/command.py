@@ -165,6 +165,19 @@ def check_(
     checking.check(implementation, timeout)
 
 
+@app.command()
+def new(
+    language: Annotated[
+        str, typer.Argument(metavar="LANGUAGE", help="c, cpp, rust, go, java, javascript.")
+    ],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder.")],
+) -> None:
+    """Write a project in another language, with a marching cubes that `check` accepts at once."""
+    from isograde.commands import kits
+
+    kits.new(language, folder)
+
+
 @app.command(name="export")
 def export_(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A new folder.")],
