@@ -304,14 +304,14 @@ def least_inside(dtype: np.dtype[Any], isovalue: float) -> Any:
 
     >>> least_inside(np.dtype(np.uint8), 3.2)
     4
-    >>> float(least_inside(np.dtype(np.float32), 0.3)) >= 0.3
-    True
+    >>> [float(least_inside(np.dtype(np.float32), level)) >= level for level in (0.3, 0.7)]
+    [True, True]
     """
     if dtype.kind in "biu":
         return int(np.ceil(isovalue))
     with np.errstate(over="ignore"):
         rounded = dtype.type(isovalue)
-    if rounded < isovalue:
+    if float(rounded) < isovalue:  # As doubles: NumPy would round the isovalue here too.
         rounded = np.nextafter(rounded, dtype.type(np.inf))
     return rounded
 

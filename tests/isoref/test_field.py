@@ -1,3 +1,4 @@
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -61,14 +62,17 @@ def test_a_scalar_field_has_one_component() -> None:
 
 
 def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
-    """The convention is value >= isovalue, compared exactly and not in the samples' precision."""
-    for kind in (np.float16, np.float32, np.float64):
-        middle = kind(0.3)
+    """The convention is value >= isovalue, compared exactly and not in the samples' precision.
+
+    Single precision rounds 0.3 up and 0.7 down.
+    """
+    for kind, level in product((np.float16, np.float32, np.float64), (0.3, 0.7, 0.1)):
+        middle = kind(level)
         samples = np.array(
             [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
         )
-        exact = [float(s) >= 0.3 for s in samples]
-        assert (samples >= least_inside(samples.dtype, 0.3)).tolist() == exact
+        exact = [float(s) >= level for s in samples]
+        assert (samples >= least_inside(samples.dtype, level)).tolist() == exact
     mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
     assert mask.tolist() == [False, False, False, True, True]
 

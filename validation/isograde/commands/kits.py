@@ -98,14 +98,15 @@ def kit_named(language: str) -> str:
     ('cpp', 'javascript')
     """
     known = {other: name for name, kit in KITS.items() for other in (name, *kit.names)}
-    if (wanted := language.lower()) in known:
-        return known[wanted]
+    wanted = language.lower()
     if wanted in ("python", "py"):
         stop(Exit.WRONG_USE, "a Python function needs no kit: isograde explain python")
-    close = difflib.get_close_matches(wanted, known, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    told = f"no kit for {language!r}; {hint}There are {', '.join(KITS)}"
-    stop(Exit.WRONG_USE, f"{told}; for any other language see isograde explain exec")
+    if wanted not in known:
+        close = difflib.get_close_matches(wanted, known, n=1)
+        hint = f"did you mean {close[0]}? " if close else ""
+        told = f"no kit for {language!r}; {hint}There are {', '.join(KITS)}"
+        stop(Exit.WRONG_USE, f"{told}; for any other language see isograde explain exec")
+    return known[wanted]
 
 
 def folder_of(name: str) -> Path:
