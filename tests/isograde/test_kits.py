@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from collections import Counter
 from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -213,15 +214,15 @@ HARD: Sequence[tuple[str, Array, float]] = [
 
 @pytest.mark.slow
 def test_it_is_right_where_numbers_are_hard(project: Path) -> None:
-    """Sides are exact, and crossings stay between the samples, whatever their size."""
+    """Sides are exact whatever the samples' size; so is the crossing, where doubles hold them."""
     requests = [(np.broadcast_to(pair, (2, 2, 2)), isovalue) for _, pair, isovalue in HARD]
     for (what, pair, isovalue), outcome in zip(HARD, asked(project, requests), strict=True):
         assert outcome.mesh is not None, (what, outcome)
         high = [int(one) if pair.dtype.kind in "iu" else float(one) for one in pair]
         crossed = (high[0] >= isovalue) != (high[1] >= isovalue)
         assert len(outcome.mesh.simplices) == 2 * crossed, what
-        t = (isovalue - float(high[0])) / max(float(high[1]) - float(high[0]), 5e-324)
-        if crossed and np.isfinite(t):
+        if crossed and pair.dtype.kind == "f":
+            t = float((isovalue - Fraction(high[0])) / (Fraction(high[1]) - Fraction(high[0])))
             assert outcome.mesh.vertices[:, 2] / SPACING[2] == pytest.approx(t, abs=1e-9), what
 
 
@@ -309,7 +310,11 @@ def test_what_an_extractor_prints_is_kept_apart(project: Path, tmp_path: Path) -
     assert all(one.status is Status.OK for one in asked(copy, [noise("f8")] * 2))
 
 
-GRADED = ("cells/inside/*", "ties/*", "noise/white-5x6x7", "noise/smooth-1-*", "bodies/3-1/*")
+# A part of the plan; all of it takes minutes for each kit.
+GRADED = (
+    "cells/inside/*7", "cells/outside/*8", "pairs/*7", "ties/p*", "ties/noise-*", "noise/*5x6x7",
+    "noise/smooth-1-*", "bodies/3-1/*", "analytic/*", "accuracy/*", "simplices/noise-3-1",
+)  # fmt: skip
 
 
 @pytest.mark.slow
@@ -330,4 +335,4 @@ def test_it_reaches_level_2(project: Path) -> None:
     judged = {claim for claim, verdicts in found.items() if verdicts[Verdict.PASS]}
     levels = {name for name, claim in worker.claims.items() if claim.level in (0, 1, 2)}
     assert len(levels) > 20
-    assert levels - judged <= {"accuracy.converges"}
+    assert levels <= judged, levels - judged
