@@ -1,4 +1,3 @@
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -66,13 +65,14 @@ def test_a_sample_on_the_isovalue_is_inside_whatever_its_type() -> None:
 
     Single precision rounds 0.3 up and 0.7 down.
     """
-    for kind, level in product((np.float16, np.float32, np.float64), (0.3, 0.7, 0.1)):
-        middle = kind(level)
-        samples = np.array(
-            [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
-        )
-        exact = [float(s) >= level for s in samples]
-        assert (samples >= least_inside(samples.dtype, level)).tolist() == exact
+    for kind in (np.float16, np.float32, np.float64):
+        for level in (0.1, 0.3, 0.7):
+            middle = kind(level)
+            samples = np.array(
+                [np.nextafter(middle, kind(-1)), middle, np.nextafter(middle, kind(1))], kind
+            )
+            exact = [float(s) >= level for s in samples]
+            assert (samples >= least_inside(samples.dtype, level)).tolist() == exact
     mask = inside_samples(Field.of(np.arange(5, dtype=np.uint8)), 2.5)
     assert mask.tolist() == [False, False, False, True, True]
 
