@@ -1,6 +1,7 @@
 """The adapter to programs in any language: ``exec:command``.
 
-The command is one line for the shell, so a pipeline is a command too. It speaks JSON as the
+``isograde new LANGUAGE DIR`` writes a program that has all of this, to start from; this is for any
+other language. The command is one line for the shell, so a pipeline is a command too. It speaks JSON as the
 standard has it, one object a line (``isograde explain protocol`` prints the schema of every field);
 arrays stand in files.
 
@@ -183,7 +184,7 @@ class ExecAdapter(ProcessAdapter):
 
 def _tell(child: Child, message: dict[str, Any]) -> None:
     """The message has been sent as one line."""
-    child.write([written(message).encode() + b"\n"])
+    child.write([written(message).encode("utf-8", "surrogateescape") + b"\n"])
 
 
 def _line(child: Child) -> tuple[bytes, Any]:

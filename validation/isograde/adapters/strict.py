@@ -84,7 +84,7 @@ def _told(text: str, at: int, why: str = "") -> str:
 
 def written(message: Any, indent: int | None = None) -> str:
     """The message as JSON without a bare NaN or Infinity; raises `ValueError` for one."""
-    return json.dumps(message, allow_nan=False, indent=indent)
+    return json.dumps(message, allow_nan=False, ensure_ascii=False, indent=indent)
 
 
 def isovalue(value: float) -> float | str:

@@ -6,15 +6,14 @@
  *
  * `isograde_serve` reads requests from standard input until there are no more, calls `extract` for
  * each, and answers. Samples keep their type, but float16 comes as float. `extract` fills the mesh
- * and returns NULL, or returns what is wrong. The declaration is JSON (`isograde explain
- * declaration`). Standard output becomes standard error. For POSIX systems, little-endian. */
+ * and returns NULL, or returns what is wrong. The declaration is JSON. Answers go to descriptor 3,
+ * so that whoever prints does no harm: `run` sees to it. For POSIX systems, little-endian. */
 #pragma once
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Samples in C order, the last axis fastest: kind 'b', 'i', 'u' or 'f', size bytes each. */
 typedef struct { char kind; size_t size, count; void *data; } isograde_values;
@@ -131,20 +130,21 @@ static inline void isograde_answer(FILE *out, const char *line, isograde_extract
         if (!wrong) wrong = extract(&values, shape, *isovalues, spacing, &mesh);
     }
     fprintf(out, "{\"id\": %ld", atol(isograde_after(line, "\"id\": ")));
-    if (wrong) fprintf(out, ", \"error\": \"%s\"", wrong);
-    else isograde_rows(out, "vertices", &mesh), isograde_rows(out, "simplices", &mesh);
-    fputs("}\n", out);
+    if (!wrong) isograde_rows(out, "vertices", &mesh), isograde_rows(out, "simplices", &mesh);
+    else for (fputs(", \"error\": \"", out); *wrong; wrong++)
+        fputc(strchr("\"\\\n", *wrong) ? '\'' : *wrong, out);
+    fputs(wrong ? "\"}\n" : "}\n", out);
     free(values.data), free(mesh.points), free(mesh.corners);
 }
 /* Every request answered with a line; the status for `main`. */
 static inline int isograde_serve(const char *declaration, isograde_extract *extract) {
-    FILE *out = fdopen(dup(1), "w");
+    FILE *out = fdopen(3, "w");
     static char *line; static size_t room;
-    dup2(2, 1);
-    while (out && getline(&line, &room, stdin) > 0 && !strstr(line, "\"command\": \"stop\"")) {
+    if (!out) return fputs("answers go to descriptor 3: run it with 3>&1 1>&2\n", stderr), 1;
+    while (getline(&line, &room, stdin) > 0 && !strstr(line, "\"command\": \"stop\"")) {
         if (!strstr(line, "\"command\": \"start\"")) isograde_answer(out, line, extract);
         else fprintf(out, "{\"protocol\": 3, \"declaration\": %s}\n", declaration);
         fflush(out);
     }
-    return !out;
+    return 0;
 }

@@ -4,11 +4,11 @@
  *     isograde::Mesh extract(const std::vector<T> &values, const isograde::Shape &shape,
  *                            double isovalue, const isograde::Point &spacing);
  *
- * `main` returns isograde::serve(R"({"name": "me"})", [](auto &...all) { return extract(all...); }),
+ * `main` returns isograde::serve("{\"name\": \"me\"}", [](auto &...all) { return extract(all...); })
  * which reads requests from standard input until there are no more, calls `extract` for each, and
  * answers. Samples keep their type, but float16 comes as float, and bool as bytes. `extract` throws
- * what is wrong. The declaration is JSON (`isograde explain declaration`). Standard output becomes
- * standard error. For POSIX systems, little-endian. */
+ * what is wrong. Answers go to descriptor 3, so that whoever prints does no harm: `run` sees to it.
+ * For POSIX systems, little-endian. */
 #pragma once
 #include <algorithm>
 #include <array>
@@ -18,9 +18,7 @@
 #include <fstream>
 #include <iostream>
 #include <sstream>
-#include <unistd.h>
 #include <vector>
-
 namespace isograde {
 using Shape = std::array<std::size_t, 3>;
 using Point = std::array<double, 3>;
@@ -96,9 +94,9 @@ inline std::vector<float> widened(const std::vector<std::uint16_t> &halves) {
 /* The mesh that a request asks for. */
 template <class Extract> Mesh answer(const std::string &line, Extract extract) {
     const auto n = list<3>(line, "shape"), spacing = list<3>(line, "spacing");
-    const auto isovalue = list<1>(line, "isovalues")[0];
     const Shape shape{std::size_t(n[0]), std::size_t(n[1]), std::size_t(n[2])};
     const auto count = shape[0] * shape[1] * shape[2];
+    const auto isovalue = list<1>(line, "isovalues")[0];
     const auto call = [&](const auto &values) { return extract(values, shape, isovalue, spacing); };
     const auto type = said(line, "dtype").substr(1);
     if (type == "b1" || type == "u1") return call(samples<std::uint8_t>(line, count));
@@ -128,8 +126,8 @@ template <class Row> void write(std::ostream &out, const char *name, const std::
 
 /* Every request answered with a line; the status for `main`. */
 template <class Extract> int serve(const char *declaration, Extract extract) {
-    std::FILE *answers = fdopen(dup(1), "w");
-    dup2(2, 1);
+    std::FILE *answers = fdopen(3, "w");
+    if (!answers) std::cerr << "answers go to descriptor 3: run it with 3>&1 1>&2\n";
     for (std::string line; answers && std::getline(std::cin, line);) {
         std::ostringstream out;
         out.precision(17);
@@ -141,7 +139,9 @@ template <class Extract> int serve(const char *declaration, Extract extract) {
             out << "{\"id\": " << said(line, "id");
             write(out, "vertices", mesh.vertices), write(out, "simplices", mesh.triangles);
         } catch (const std::exception &error) {
-            out << "{\"id\": " << said(line, "id") << ", \"error\": \"" << error.what() << '"';
+            std::string wrong = error.what();
+            for (char &c : wrong) c = c == '"' || c == '\\' || c == '\n' ? '\'' : c;
+            out << "{\"id\": " << said(line, "id") << ", \"error\": \"" << wrong << '"';
         }
         std::fputs((out.str() + "}\n").c_str(), answers), std::fflush(answers);
     }

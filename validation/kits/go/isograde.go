@@ -1,11 +1,10 @@
 // Lets isograde grade a program in Go. In the same package stands the extractor,
 //
-//	func extract[T Sample](values []T, shape [3]int, isovalue float64, spacing [3]float64,
-//	) (Mesh, error)
+//	func extract[T Sample](values []T, shape [3]int, isovalue float64, spacing [3]float64) (Mesh, error)
 //
 // and main calls Serve, which reads requests from standard input until there are no more, calls
 // extract for each, and answers. Samples are in C order and keep their type, but float16 comes as
-// float32, and bool as uint8. What is printed to os.Stdout meanwhile goes to standard error.
+// float32, and bool as uint8. Answers go to descriptor 3, so that whoever prints does no harm.
 package main
 
 import (
@@ -45,12 +44,12 @@ func Number[T Sample](value T) float64 {
 	return wide
 }
 
-// request is a line of the protocol. A number that is null stays nil.
+// request is a line of the protocol. An isovalue that is not finite is a text.
 type request struct {
 	Command, Dtype, Values string
 	ID                     int
 	Shape                  []int
-	Isovalues              []*float64
+	Isovalues              []any
 	Spacing                []float64
 	Offset                 int64
 }
@@ -91,9 +90,9 @@ func call[S any, T Sample](asked request, meaning func(S) T) (Mesh, error) {
 	for i, one := range stored {
 		values[i] = meaning(one)
 	}
-	isovalue := math.NaN()
-	if asked.Isovalues[0] != nil {
-		isovalue = *asked.Isovalues[0]
+	isovalue, finite := asked.Isovalues[0].(float64)
+	if err == nil && !finite {
+		err = fmt.Errorf("the isovalue is %v", asked.Isovalues[0])
 	}
 	if err != nil {
 		return Mesh{}, err
@@ -125,8 +124,7 @@ func answer(asked request) (Mesh, error) {
 
 // Serve answers every request with a line.
 func Serve(declaration string) error {
-	lines, answers := json.NewDecoder(os.Stdin), json.NewEncoder(os.Stdout)
-	os.Stdout = os.Stderr
+	lines, answers := json.NewDecoder(os.Stdin), json.NewEncoder(os.NewFile(3, "descriptor 3 (see run)"))
 	for {
 		var asked request
 		if err := lines.Decode(&asked); err == io.EOF || asked.Command == "stop" {
@@ -143,8 +141,10 @@ func Serve(declaration string) error {
 			said["vertices"] = append([][3]float64{}, mesh.Vertices...)
 			said["simplices"] = append([][3]int{}, mesh.Triangles...)
 		}
-		if err := answers.Encode(said); err != nil { // A vertex is not finite.
-			answers.Encode(map[string]any{"id": asked.ID, "error": err.Error()})
+		if err := answers.Encode(said); err != nil { // A vertex is not finite, for one.
+			if err = answers.Encode(map[string]any{"id": asked.ID, "error": err.Error()}); err != nil {
+				return err
+			}
 		}
 	}
 }

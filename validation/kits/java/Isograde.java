@@ -1,4 +1,7 @@
+import static java.nio.charset.StandardCharsets.UTF_8;
+
 import java.io.BufferedReader;
+import java.io.FileOutputStream;
 import java.io.IOException;
 import java.io.InputStreamReader;
 import java.io.PrintStream;
@@ -15,8 +18,8 @@ import java.util.stream.Stream;
  * Lets isograde grade a program in Java, 17 or later.
  *
  * <p>{@link #serve} reads requests from standard input until there are no more, calls the extractor
- * for each, and answers. The declaration is JSON ({@code isograde explain declaration}). What is
- * printed to {@code System.out} meanwhile goes to standard error.
+ * for each, and answers. The declaration is JSON ({@code isograde explain declaration}). Answers go
+ * to descriptor 3, so that whoever prints does no harm: {@code run} sees to it.
  */
 final class Isograde {
     /** From samples in C order, the last axis fastest, to a mesh; throws what is wrong. */
@@ -117,9 +120,8 @@ final class Isograde {
 
     /** Answers every request with a line. */
     static void serve(String declaration, Extract extractor) throws IOException {
-        PrintStream answers = System.out;
-        System.setOut(System.err);
-        BufferedReader lines = new BufferedReader(new InputStreamReader(System.in));
+        PrintStream answers = new PrintStream(new FileOutputStream("/dev/fd/3", true), false, UTF_8);
+        BufferedReader lines = new BufferedReader(new InputStreamReader(System.in, UTF_8));
         for (String line; (line = lines.readLine()) != null; answers.flush()) {
             if (said(line, "command").equals("stop")) break;
             if (said(line, "command").equals("start")) {
@@ -133,7 +135,7 @@ final class Isograde {
                 String corners = rows(mesh.triangles().stream().map(Arrays::toString));
                 answers.println(", \"vertices\": " + points + ", \"simplices\": " + corners + "}");
             } catch (IOException | RuntimeException error) {
-                String wrong = error.toString().replaceAll("[\"\\\\]", "'");
+                String wrong = error.toString().replaceAll("[\"\\\\\n]", "'");
                 answers.println(", \"error\": \"" + wrong + "\"}");
             }
         }

@@ -6,8 +6,8 @@
 // `serve` reads requests from standard input until there are no more, calls the function for each,
 // and answers. The samples are a typed array in C order, the last axis fastest; float16 comes as a
 // Float32Array, bool as a Uint8Array, 64-bit integers as bigints. What is wrong is thrown.
-// What is printed with `console.log` or `process.stdout` meanwhile goes to standard error.
-import { readFileSync } from "node:fs";
+// Answers go to descriptor 3, so that whoever prints does no harm: `run` sees to it.
+import { createWriteStream, readFileSync } from "node:fs";
 import { createInterface } from "node:readline";
 
 /**
@@ -93,13 +93,12 @@ function answer(asked, extract) {
  * @param {Extract} extract
  */
 export async function serve(declaration, extract) {
-  const write = process.stdout.write.bind(process.stdout);
-  process.stdout.write = process.stderr.write.bind(process.stderr);
+  const answers = createWriteStream("", { fd: 3 });
   for await (const line of createInterface({ input: process.stdin })) {
     const asked = JSON.parse(line);
     if (asked.command === "stop") break;
     const said =
       asked.command === "start" ? { protocol: 3, declaration } : answer(asked, extract);
-    write(JSON.stringify(said) + "\n");
+    answers.write(JSON.stringify(said) + "\n");
   }
 }

@@ -3,11 +3,10 @@
 //! Implement [`Extract`] and call [`serve`] in `main`: it reads requests from standard input until
 //! there are no more, calls `extract` for each, and answers. Samples keep their type, but float16
 //! comes as `f32`, and bool as `u8`. The declaration is JSON (`isograde explain declaration`).
-//! Standard output becomes standard error. For Unix.
+//! Answers go to descriptor 3, so that whoever prints does no harm: `run` sees to it.
 
 use std::fs::File;
 use std::io::{self, BufRead, Read, Seek, SeekFrom, Write};
-use std::os::fd::AsFd;
 
 /// Vertices are index * spacing; triangles are three vertices each, counted from 0,
 /// counterclockwise seen from where values are low.
@@ -124,18 +123,17 @@ fn answer(line: &str, extractor: &impl Extract) -> Result<Mesh, String> {
 
 /// Answers every request with a line.
 pub fn serve(declaration: &str, extractor: &impl Extract) -> io::Result<()> {
-    extern "C" {
-        fn dup2(from: i32, to: i32) -> i32;
-    }
-    let mut answers = File::from(io::stdout().as_fd().try_clone_to_owned()?);
-    unsafe { dup2(2, 1) };
+    let mut answers = File::options().append(true).open("/dev/fd/3")?;
     for line in io::stdin().lock().lines() {
         let line = line?;
         let text = match said(&line, "command") {
             "stop" => break,
             "start" => format!("{{\"protocol\": 3, \"declaration\": {declaration}}}\n"),
             _ => match answer(&line, extractor) {
-                Err(wrong) => format!("{{\"id\": {}, \"error\": {wrong:?}}}\n", said(&line, "id")),
+                Err(wrong) => {
+                    let wrong = wrong.replace(['"', '\\', '\n'], "'");
+                    format!("{{\"id\": {}, \"error\": \"{wrong}\"}}\n", said(&line, "id"))
+                }
                 Ok(Mesh { vertices, triangles }) => {
                     let points = format!("{vertices:?}").replace("-inf", "inf");
                     let points = points.replace("inf", "null").replace("NaN", "null");
