@@ -1,9 +1,9 @@
 """The adapter to programs in any language: ``exec:command``.
 
-``isograde new LANGUAGE DIR`` writes a program that has all of this, to start from; this is for any
-other language. The command is one line for the shell, so a pipeline is a command too. It speaks JSON as the
-standard has it, one object a line (``isograde explain protocol`` prints the schema of every field);
-arrays stand in files.
+``isograde new LANGUAGE DIR`` writes a program that has all of this, to start from; what follows is
+for any other language. The command is one line for the shell, so a pipeline is a command too. It
+speaks JSON as the standard has it, one object a line (``isograde explain protocol`` prints the
+schema of every field); arrays stand in files.
 
 It reads from standard input, and answers on standard output::
 
