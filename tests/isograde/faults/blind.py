@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from isoref import asymptotic_decider, extract, lorensen_cline, trilinear_cubes
-from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, configuration
+from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS, ambiguous_faces, configuration
 from isoref.cycles import cycles, fan
 from isoref.rule import Average, Tile
 from scipy.ndimage import gaussian_filter, label
@@ -269,7 +269,7 @@ class NearlyEqualIsEqual(Engine):
 
 @blind("symmetry.scaling", GITHUB + "scikit-image/scikit-image/issues/8116")
 class LeastDifference(Engine):
-    """A relative value below the epsilon of single precision is made that epsilon, its sign lost."""
+    """A relative value below the epsilon of single precision is made that epsilon."""
 
     def relative(self, samples: Array, alpha: float) -> Array:
         """Differences, never small."""
@@ -315,7 +315,7 @@ class OneEndOnly(Engine):
         return np.where(t < 1e-2, 0, t)
 
 
-@blind("robustness.nan")
+@blind("robustness.nan", promised=["robustness.nan"])
 class NoneIsLow(Engine):
     """A sample that is not a number is taken for a low one, and nobody is told."""
 
@@ -373,9 +373,7 @@ class MeanOfTheCell(Engine):
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
         """All ambiguous faces separated where the mean of the cell is outside."""
         found = super().decisions(g, signs, cells)
-        every = np.array(
-            [asymptotic_decider.bits_of(asymptotic_decider.ambiguous_faces(s)) for s in range(256)]
-        )
+        every = np.array([asymptotic_decider.bits_of(ambiguous_faces(s)) for s in range(256)])
         return np.where(g.mean(axis=0) < 0, every[signs], 0) * (found >= 0)
 
 
@@ -502,7 +500,7 @@ class CentreInEveryPolygon(Engine):
         if any(len(p) > 6 for p in polygons):
             return super().tile(signs, decisions)
         triangles: list[tuple[int, int, int]] = []
-        inner = []
+        inner: list[Average] = []
         for p in polygons:
             if len(p) == 4:
                 triangles += fan(p, 12 + len(inner))
@@ -775,7 +773,7 @@ def a_corner_of_nothing(values: Any, isovalue: float, spacing: Spacing) -> Answe
     return np.eye(3) * 1e-3, np.array([[0, 1, 2]])
 
 
-@blind("robustness.bad_input")
+@blind("robustness.bad_input", promised=["robustness.bad_input"])
 def any_rank(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """A picture is taken for a volume one sample thick, and answered."""
     volume = np.atleast_3d(values)

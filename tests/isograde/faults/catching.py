@@ -1,0 +1,168 @@
+"""Who catches a fault: the plan's tasks judged one after the other, until a promise is broken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from isograde.adapters.conventions import to_house
+from isograde.adapters.forms import AnswerError, arrays_from
+from isograde.claims import CLAIMS
+from isograde.declaration import Declaration, declaration_from
+from isograde.model import BAD, Limits, Outcome, Request, Status
+from isograde.runner import Judged, Options, Task, Worker, cases_for, claims_for, plan
+from numpy.typing import NDArray
+
+from tests.isograde.faults.registry import Extract, Fault
+
+
+class InProcess:
+    """An adapter to a function in this process, which is given each array as it lies in memory."""
+
+    def __init__(self, function: Extract, declaration: Declaration) -> None:
+        self.function = function
+        self.declaration = declaration
+
+    def open(self, limits: Limits) -> Declaration:
+        """Nothing to start."""
+        return self.declaration
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome of one call."""
+        samples = as_it_lies(request.field.values)
+        levels = request.isovalues
+        try:
+            with np.errstate(all="ignore"):
+                level = levels[0] if len(levels) == 1 else levels
+                answer = self.function(samples, level, request.field.spacing)
+            vertices, simplices = arrays_from(answer, request.kind)
+        except NotImplementedError as error:
+            return Outcome(Status.DECLINED, detail=str(error))
+        except AnswerError as error:
+            return Outcome(error.status, detail=str(error))
+        except Exception as error:  # noqa: BLE001 - as an adapter would
+            raised = Outcome(Status.RAISED, detail=str(error))
+            return to_house(raised, request, self.declaration.conventions)
+        real = samples.dtype.kind == "f"
+        changed = not np.array_equal(samples, request.field.values, equal_nan=real)
+        # The fault may keep its arrays and write to them again: judge what they were.
+        outcome = Outcome(Status.OK, vertices.copy(), simplices.copy(), input_changed=changed)
+        return to_house(outcome, request, self.declaration.conventions)
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+def as_it_lies(values: NDArray[Any]) -> NDArray[Any]:
+    """A copy with the strides of the original, gaps and directions included.
+
+    >>> as_it_lies(np.arange(12).reshape(3, 4)[::-1, ::2]).strides
+    (-32, 16)
+    """
+    if not values.size:
+        return values.copy()
+    reach = [(n - 1) * s for n, s in zip(values.shape, values.strides, strict=True)]
+    first = -sum(r for r in reach if r < 0)
+    size = first + sum(r for r in reach if r > 0) + values.itemsize
+    memory = np.zeros(size, np.uint8)
+    copy: NDArray[Any] = np.ndarray(
+        values.shape, values.dtype, memory, offset=first, strides=values.strides
+    )
+    copy[...] = values
+    return copy
+
+
+#: A case of at most so many samples is small.
+SMALL = 5_000
+#: Families of hundreds of cases.
+LONG = ("cells", "pairs", "trilinear")
+
+
+def worker_of(fault: Fault, seed: int = 0) -> Worker:
+    """A worker that judges the fault, made anew."""
+    declared = declaration_from({**fault.declares}, fault.name)
+    adapter = InProcess(fault.make(), declared)
+    return Worker(adapter, declared, cases_for(declared, seed), claims_for(declared))
+
+
+def tasks_of(worker: Worker) -> list[Task]:
+    """The default plan."""
+    return plan(Options(), worker.cases, worker.claims)
+
+
+def broken(worker: Worker, judged: Judged) -> list[str]:
+    """The promises that did not hold, the lowest rung first."""
+    held = [
+        name
+        for name, finding in judged.findings.items()
+        if finding.verdict in BAD and worker.claims[name].held(worker.declaration)
+    ]
+    return sorted(held, key=rank)
+
+
+def rank(claim: str) -> tuple[int, int]:
+    """Where a claim stands: by its rung, those beside the ladder last, then as they are listed."""
+    level = CLAIMS[claim].level
+    return (99 if level is None else level, list(CLAIMS).index(claim))
+
+
+@dataclass(frozen=True)
+class Caught:
+    """The first case of the plan on which a promise is broken, and what is broken on it."""
+
+    case: str
+    claims: tuple[str, ...]
+    detail: str
+
+
+def mixed(tasks: list[Task], worker: Worker) -> list[Task]:
+    """The tasks, small ones first and the families in turns, so that all are met early."""
+    turn: dict[str, int] = {}
+    places = []
+    for task in tasks:
+        family = task.case.split("/")[0]
+        turn[family] = turn.get(family, 0) + 1
+        # Scatter a family of hundreds, whose neighbours are alike.
+        scattered = turn[family] * 89 % 512 if family in LONG else turn[family]
+        places.append((worker.cases[task.case].samples > SMALL, scattered))
+    return [tasks[i] for i in sorted(range(len(tasks)), key=places.__getitem__)]
+
+
+def first(fault: Fault) -> Caught | None:
+    """The lowest promise seen broken, and a case that shows it; None where all hold."""
+    *_, last = None, *ever_lower(fault)
+    return last
+
+
+def ever_lower(fault: Fault, patience: int = 40) -> Iterator[Caught]:
+    """A broken promise and a case that shows it, then lower ones.
+
+    Claims that need variants are asked last, unless one of them is expected. Once a promise is known
+    to be broken, only lower ones are asked, of so many cases more.
+    """
+    worker = worker_of(fault)
+    held = sorted(
+        (name for name, claim in worker.claims.items() if claim.held(worker.declaration)), key=rank
+    )
+    left = 2 * len(worker.cases)
+    tasks = mixed(tasks_of(worker), worker)
+    expects = bool(CLAIMS[fault.first].variants) if fault.first else False
+    for posed in (expects, not expects):
+        for task in tasks:
+            asked = [
+                name
+                for name in held
+                if name in task.claims and bool(worker.claims[name].variants) == posed
+            ]
+            if not asked:
+                continue
+            left -= 1
+            if not left:
+                return
+            judged = worker.judge(Task(task.case, tuple(asked)))
+            if claims := broken(worker, judged):
+                yield Caught(task.case, tuple(claims), judged.findings[claims[0]].detail)
+                held = held[: held.index(claims[0])]
+                left = min(left, patience)
