@@ -490,7 +490,6 @@ class FansOnFaces(Engine):
         )
 
 
-@blind("cells.count")
 class CentreInEveryPolygon(Engine):
     """Polygons of four corners get a point in their middle, which is not said."""
 

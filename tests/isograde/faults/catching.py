@@ -136,33 +136,33 @@ def first(fault: Fault) -> Caught | None:
     return last
 
 
-def ever_lower(fault: Fault, patience: int = 40) -> Iterator[Caught]:
+def ever_lower(fault: Fault, patience: int = 24) -> Iterator[Caught]:
     """A broken promise and a case that shows it, then lower ones.
 
-    Claims that need variants are asked last, unless one of them is expected. Once a promise is known
-    to be broken, only lower ones are asked, of so many cases more.
+    The claim that is expected is asked first, then all that need no variants, then the others if
+    none was broken. Once a promise is known to be broken, only lower ones are asked, of so many
+    cases more. On a case that shows one, all promises are judged.
     """
     worker = worker_of(fault)
+    tasks = mixed(tasks_of(worker), worker)
     held = sorted(
         (name for name, claim in worker.claims.items() if claim.held(worker.declaration)), key=rank
     )
-    left = 2 * len(worker.cases)
-    tasks = mixed(tasks_of(worker), worker)
-    expects = bool(CLAIMS[fault.first].variants) if fault.first else False
-    for posed in (expects, not expects):
+    every, known = list(held), False
+    posed = [name for name in held if worker.claims[name].variants]
+    for stage in ([fault.first], [name for name in held if name not in posed], posed):
+        left = patience if known else len(tasks) + 1
+        if known and stage is posed:
+            return
         for task in tasks:
-            asked = [
-                name
-                for name in held
-                if name in task.claims and bool(worker.claims[name].variants) == posed
-            ]
-            if not asked:
-                continue
-            left -= 1
+            asked = [name for name in held if name in stage and name in task.claims]
+            left -= bool(asked)
             if not left:
-                return
-            judged = worker.judge(Task(task.case, tuple(asked)))
-            if claims := broken(worker, judged):
+                break
+            if asked and broken(worker, worker.judge(Task(task.case, tuple(asked)))):
+                applying = tuple(name for name in every if name in task.claims)
+                judged = worker.judge(Task(task.case, applying))
+                claims = broken(worker, judged)
                 yield Caught(task.case, tuple(claims), judged.findings[claims[0]].detail)
-                held = held[: held.index(claims[0])]
+                held, known = [name for name in held if rank(name) < rank(claims[0])], True
                 left = min(left, patience)
