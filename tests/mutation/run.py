@@ -87,7 +87,12 @@ def prepare(size: int, timeout: float) -> None:
 
 def place(mutation: Any) -> tuple[Any, ...]:
     """Where a mutation is, and what it does."""
-    return str(mutation.module_path), mutation.start_pos, mutation.operator_name, mutation.occurrence
+    return (
+        str(mutation.module_path),
+        mutation.start_pos,
+        mutation.operator_name,
+        mutation.occurrence,
+    )
 
 
 def in_tree(command: list[str], seconds: float | None = None) -> int:
@@ -168,7 +173,9 @@ def report() -> None:
     for _, job in rows:
         name = key(items[job], results[job].diff or "")
         where, change = name.split(" ", 1)
-        text.append(f"| {where} | `{change.replace('|', chr(92) + '|')}` | {said.get(name, 'open')} |")
+        text.append(
+            f"| {where} | `{change.replace('|', chr(92) + '|')}` | {said.get(name, 'open')} |"
+        )
     REPORT.parent.mkdir(parents=True, exist_ok=True)
     REPORT.write_text("\n".join(text) + "\n")
     print(f"{tried} tried, {len(alive)} alive: {REPORT.relative_to(HERE)}")

@@ -134,6 +134,10 @@ def grade(
     strict: Annotated[
         bool, typer.Option("--strict", help="A promised claim without evidence fails too.")
     ] = False,
+    cases: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Cases of your own, as isograde search keeps them."),
+    ] = None,
 ) -> None:
     """Grade an implementation and write the report."""
     if everything == (implementation is not None):
@@ -143,13 +147,40 @@ def grade(
     from isograde.runner import Options, processors
 
     limits = Limits(timeout, memory)
-    options = Options(seed, full, tuple(only or ()), limits, jobs or processors())
+    own = tuple(cases or ())
+    options = Options(seed, full, tuple(only or ()), limits, jobs or processors(), own)
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:
         grading.grade_all(options, out, kinds, strict)
     else:
         grading.grade_one(implementation, options, out, kinds, strict)
+
+
+@app.command(name="search")
+def search_(
+    implementation: Spec,
+    minutes: Annotated[float, typer.Option(min=0.05, max=10_000, help="How long to look.")] = 5.0,
+    cases: Annotated[
+        Path, typer.Option(metavar="FILE", help="Where to keep what is found; added to.")
+    ] = Path("isograde-cases.json"),
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="GLOB", help="Claims to break; by default all that are promised."),
+    ] = None,
+    known: Annotated[
+        Path | None,
+        typer.Option(metavar="REPORT", help="Leave out claims that failed in this report."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Other fields.")] = 0,
+    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 10.0,
+    memory: Annotated[int, typer.Option(min=16, help="Megabytes it may hold.")] = 4096,
+) -> None:
+    """Look for failures that the plan does not contain, and keep them for grade --cases."""
+    from isograde.commands import searching
+
+    limits = Limits(timeout, memory)
+    searching.search(implementation, minutes, cases, tuple(only or ()), known, seed, limits)
 
 
 @app.command(name="check")

@@ -32,6 +32,7 @@ from dataclasses import dataclass
 from dataclasses import field as fresh
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
+from pathlib import Path
 from types import ModuleType
 
 from isoref.field import Field
@@ -39,7 +40,7 @@ from isoref.field import Field
 from isograde import variants
 from isograde.adapters import open_adapter
 from isograde.adapters.conventions import refusal
-from isograde.cases import all_cases, blocks, given
+from isograde.cases import all_cases, blocks, given, own
 from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
 from isograde.declaration import Declaration
@@ -77,6 +78,7 @@ class Options:
 
     only : globs on ids of claims or of cases; empty for all
     full : every case, and every variant on all but pairs and large cases
+    own : files of cases of the user's own, which are added to the plan
     """
 
     seed: int = 0
@@ -84,6 +86,7 @@ class Options:
     only: tuple[str, ...] = ()
     limits: Limits = fresh(default_factory=Limits)
     jobs: int = 1
+    own: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -184,10 +187,14 @@ def _matches(name: str, globs: Sequence[str]) -> bool:
     return any(fnmatchcase(name, glob) for glob in globs)
 
 
-def cases_for(declaration: Declaration, seed: int) -> Mapping[str, Case]:
-    """The cases of the kinds that the implementation takes, by id; blocks of them by name."""
+def cases_for(declaration: Declaration, seed: int, more: Iterable[Case] = ()) -> Mapping[str, Case]:
+    """The cases of the kinds that the implementation takes, by id; blocks of them by name.
+
+    more : cases beside the plan's
+    """
     every, kinds = all_cases(seed), declaration.limits.kinds
-    return type(every)({name: case for name, case in every.items() if case.kind in kinds})
+    listed = {**every, **{case.id: case for case in more}}
+    return type(every)({name: case for name, case in listed.items() if case.kind in kinds})
 
 
 def claims_for(declaration: Declaration) -> dict[str, Claim]:
@@ -212,10 +219,15 @@ class Worker:
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
-        """A worker with an open adapter and what is asked of its family. Raises `AdapterError`."""
+        """A worker with an open adapter and what is asked of its family.
+
+        Raises `AdapterError`, and `own.OwnCasesError` for a file of cases that is none.
+        """
+        more = [case for file in options.own for case in own.read(file)]
         adapter = open_adapter(spec)
         declared = adapter.open(options.limits)
-        return cls(adapter, declared, cases_for(declared, options.seed), claims_for(declared))
+        cases = cases_for(declared, options.seed, more)
+        return cls(adapter, declared, cases, claims_for(declared))
 
     def judge(self, task: Task) -> Judged:
         """Every finding on one case."""

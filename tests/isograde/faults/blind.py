@@ -795,7 +795,10 @@ def skimage(values: Any, isovalue: float, spacing: Spacing, **options: Any) -> A
     samples = np.asarray(values)
     if min(samples.shape) < 2 or not samples.min() < isovalue <= samples.max():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
-    made = marching_cubes(samples, isovalue, spacing=spacing, **options)
+    try:
+        made = marching_cubes(samples, isovalue, spacing=spacing, **options)
+    except RuntimeError:  # "No surface found at the given iso value."
+        return np.empty((0, 3)), np.empty((0, 3), np.int64)
     return made[0], made[1]
 
 

@@ -9,7 +9,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from isoref import asymptotic_decider, extract, lorensen_cline, trilinear_cubes
+from isoref import (
+    asymptotic_decider,
+    extract,
+    lorensen_cline,
+    marching_vesta,
+    trilinear_cubes,
+)
 from isoref.cube import (
     CORNER_OFFSETS,
     EDGE_CORNERS,
@@ -33,6 +39,12 @@ class Trilinear(Engine):
     """The engine with the topology of the trilinear interpolant."""
 
     rule = trilinear_cubes.RULE
+
+
+class AnyFaces(Engine):
+    """The engine with tiles that are sound for any decisions on faces: those of VESTA."""
+
+    rule = marching_vesta.rule("mixed", "L")
 
 
 def faces_that(g: Array, signs: Array, cut: Any) -> Array:
@@ -116,7 +128,7 @@ class ZeroIsPositive(Engine):
 
 
 @fault("topology.bilinear", GITHUB + "scikit-image/scikit-image/issues/8116", level=3)
-class FaceTestWithEpsilon(Engine):
+class FaceTestWithEpsilon(AnyFaces):
     """The face test counts products that differ by less than the epsilon of floats as equal."""
 
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
@@ -129,7 +141,7 @@ class FaceTestWithEpsilon(Engine):
 
 
 @fault("topology.bilinear", GITHUB + "OSGeo/gdal/pull/834", level=3)
-class AlwaysApart(Engine):
+class AlwaysApart(AnyFaces):
     """Ambiguous faces are always cut, and the bilinear topology is promised."""
 
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
@@ -138,7 +150,7 @@ class AlwaysApart(Engine):
 
 
 @fault("symmetry.orientation", GITHUB + "guillaumechereau/goxel/issues/256")
-class AlongOneAxis(Engine):
+class AlongOneAxis(AnyFaces):
     """Faces across the first axis are joined and all others cut."""
 
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
@@ -147,7 +159,7 @@ class AlongOneAxis(Engine):
 
 
 @fault("symmetry.translation")
-class Chessboard(Engine):
+class Chessboard(AnyFaces):
     """Faces are cut or joined like the fields of a chessboard, so that neither wins."""
 
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
@@ -160,7 +172,7 @@ class Chessboard(Engine):
 
 
 @fault("symmetry.scaling")
-class FacesBySize(Engine):
+class FacesBySize(AnyFaces):
     """Faces are cut where their values are large, as if the unit were known."""
 
     def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
@@ -171,7 +183,7 @@ class FacesBySize(Engine):
 
 
 @fault("symmetry.shift")
-class FacesByLevel(Engine):
+class FacesByLevel(AnyFaces):
     """Faces are cut for isovalues above zero and joined for others."""
 
     alpha = 0.0
@@ -187,7 +199,7 @@ class FacesByLevel(Engine):
 
 
 @fault("symmetry.spacing")
-class FacesBySpacing(Engine):
+class FacesBySpacing(AnyFaces):
     """Diagonals of a polygon follow the shorter way in space, across faces that are not theirs."""
 
     wide = False
@@ -203,7 +215,7 @@ class FacesBySpacing(Engine):
 
 
 @fault("symmetry.type")
-class FacesByType(Engine):
+class FacesByType(AnyFaces):
     """Single precision takes another branch, in which ambiguous faces are joined."""
 
     single = False
@@ -220,7 +232,7 @@ class FacesByType(Engine):
 
 
 @fault("symmetry.layout", GITHUB + "ilastik/marching_cubes/pull/35")
-class FacesByLayout(Engine):
+class FacesByLayout(AnyFaces):
     """Arrays in Fortran order take another branch, in which ambiguous faces are joined."""
 
     fortran = False

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
+from isograde.cases.own import OwnCasesError
 from isograde.commands.console import Exit, console, errors, say, status_of, stop
 from isograde.grading import grade, unfinished
 from isograde.model import AdapterError, UnknownName
@@ -52,6 +53,8 @@ def _faults_told(path: Path) -> Iterator[None]:
         stop(Exit.WRONG_USE, str(error))
     except AdapterError as error:
         stop(Exit.NOT_STARTED, str(error))
+    except OwnCasesError as error:
+        stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
         stop(Exit.NO_EVIDENCE, str(error.args[0]))
     except OSError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from shlex import quote
 from typing import Any
 
@@ -238,4 +239,15 @@ def reproduce(report: Report, summary: Summary) -> str:
         return f"isograde.grade({name}, only={[summary.failure.case, summary.id]}{seeded})"
     seed = f" --seed {report.header['seed']}" if report.header["seed"] else ""
     only = " ".join(f"--only {quote(name)}" for name in (summary.failure.case, summary.id))
-    return f"isograde grade {quote(report.spec)} {only}{seed}"
+    own = "".join(f" --cases {quote(file)}" for file in own_files(report.header["arguments"]))
+    return f"isograde grade {quote(report.spec)} {only}{seed}{own}"
+
+
+def own_files(arguments: Sequence[str]) -> list[str]:
+    """The files of cases of the user's own that were named on a command line.
+
+    >>> own_files(["grade", "x", "--cases", "a.json", "--cases=b.json"])
+    ['a.json', 'b.json']
+    """
+    follows = [after for one, after in pairwise(arguments) if one == "--cases"]
+    return follows + [one[8:] for one in arguments if one.startswith("--cases=")]
