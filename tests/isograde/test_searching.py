@@ -92,7 +92,8 @@ def test_other_kinds_are_drawn_too(kind: tuple[int, int]) -> None:
         if kind == (2, 1):
             found = isoref.diconex(values, level, spacing, "mixed")
         else:
-            found = isoref.marching_faces(*values, *level, spacing)
+            a, b = values
+            found = isoref.marching_faces(a, b, level[0], level[1], spacing)
         return list(found)[1:]
 
     asked = worker(less, limits={"kinds": [list(kind)]})

@@ -178,6 +178,7 @@ def search_(
 ) -> None:
     """Look for failures that the plan does not contain, and keep them for grade --cases."""
     from isograde.commands import searching
+    from isograde.model import Limits
 
     limits = Limits(timeout, memory)
     searching.search(implementation, minutes, cases, tuple(only or ()), known, seed, limits)
