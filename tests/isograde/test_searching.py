@@ -55,13 +55,13 @@ def without_first_of_many(values: Any, isovalue: float, spacing: Any) -> Any:
 
 
 def test_a_hole_is_found_and_made_small() -> None:
-    """At most three samples an axis, and small numbers: five triangles need as much."""
+    """Half of what may be drawn or less, and small numbers."""
     asked = worker(without_first_of_many)
-    tally = search(asked, [CLAIMS["topology.closed"]], "mine", MINUTES, most=400)
+    tally = search(asked, [CLAIMS["topology.closed"]], "mine", MINUTES, most=600)
     (found,) = tally.found
     assert found.claim == "topology.closed"
     case = own.case_of(found.entry)
-    assert case.samples <= 27
+    assert case.samples < 64
     assert np.abs(case.build().values).max() <= 3
     assert found.entry["by"] == "mine"
     assert tally.fields > 0

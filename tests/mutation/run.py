@@ -30,8 +30,10 @@ from typing import Any
 HERE = Path(__file__).resolve().parents[2]
 BUILD = HERE / "build" / "mutation"
 TREE, SESSION, CONFIG = BUILD / "tree", BUILD / "session.sqlite", BUILD / "config.toml"
+WHOLE = BUILD / "whole"
 REPORT = HERE / "reports" / "mutation" / "README.md"
 EXPLAINED = HERE / "tests" / "mutation" / "explained.json"
+MUTATED = ("validation/isograde/oracles", "validation/isograde/claims")
 SEED, SIZE = 13, 400
 #: A normal quantile: 95 in 100 lie within it on either side.
 Z = 1.96
@@ -57,7 +59,6 @@ name = "local"
 def prepare(size: int, timeout: float) -> None:
     """A copy of the tree, and a session of all mutants in which `size` are left to be tried."""
     from cosmic_ray.work_db import WorkDB, use_db
-    from cosmic_ray.work_item import WorkerOutcome, WorkResult
 
     # Copy what the tests need.
     shutil.rmtree(BUILD, ignore_errors=True)
@@ -65,6 +66,8 @@ def prepare(size: int, timeout: float) -> None:
     for part in ("reference", "validation", "tests", "benchmarks"):
         shutil.copytree(HERE / part, TREE / part, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(HERE / "pyproject.toml", TREE)
+    for part in MUTATED:
+        shutil.copytree(TREE / part, WHOLE / part)
     CONFIG.write_text(SETTINGS.format(python=sys.executable, timeout=timeout))
     write = "from tests.mutation.selected import *; CHECKSUMS.write_text(json.dumps(checksums()))"
     in_tree([sys.executable, "-c", write])
@@ -79,8 +82,6 @@ def prepare(size: int, timeout: float) -> None:
         chosen = fit[:size]
         session.clear()
         session.add_work_items(chosen)
-        skipped = WorkResult(worker_outcome=WorkerOutcome.SKIPPED)
-        assert skipped is not None
     (BUILD / "counts.json").write_text(json.dumps({"all": len(items), "fit": len(fit)}))
     print(f"{len(items)} mutants, {len(fit)} of the chosen kinds, {len(chosen)} in the sample")
 
@@ -111,9 +112,8 @@ def in_tree(command: list[str], seconds: float | None = None) -> int:
 def go_on(minutes: float) -> None:
     """Mutants are tried until the time is over or none is left."""
     # A run that was cut off may have left a mutant behind.
-    for part in ("oracles", "claims"):
-        for path in (HERE / "validation/isograde" / part).glob("*.py"):
-            shutil.copy(path, TREE / "validation/isograde" / part / path.name)
+    for part in MUTATED:
+        shutil.copytree(WHOLE / part, TREE / part, dirs_exist_ok=True)
     started = time.monotonic()
     command = [sys.executable, "-m", "cosmic_ray.cli", "exec", str(CONFIG), str(SESSION)]
     in_tree(command, 60 * minutes)

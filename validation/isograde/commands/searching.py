@@ -8,13 +8,16 @@ from shlex import quote
 import typer
 from rich.markup import escape
 
-from isograde.cases import own
+from isograde.cases import given, own
 from isograde.commands.console import Exit, close_to, errors, say, stop
 from isograde.model import AdapterError, Claim, Limits
 from isograde.report import reading
 from isograde.runner import Options, Worker
 from isograde.searching import Found, Tally, looked_for
 from isograde.searching import search as look
+
+#: A case of at most so many numbers is spelt out.
+SPELT_OUT = 27
 
 
 def search(
@@ -100,13 +103,13 @@ def _keep(file: Path, one: Found) -> None:
 
 
 def _shown(one: Found) -> str:
-    """A case in a line: its id, shape, type, isovalue, and its values where they are few."""
-    entry = one.entry
-    size = " x ".join(str(n) for n in entry["shape"])
-    values = entry["values"]
-    listed = f", values {values}" if len(values) <= 27 else ""
-    levels = ", ".join(f"{level:g}" for level in entry["isovalues"])
-    return escape(f"{entry['id']}: {size} of {entry['type']}, isovalue {levels}{listed}")
+    """A case in a line: its id, and spelt out where that is short enough to be pasted."""
+    case = own.case_of(one.entry)
+    field = case.build()
+    size = " x ".join(map(str, field.shape))
+    small = field.values.size <= SPELT_OUT and field.values.dtype.isnative
+    spelt = f"\n    {given.name(field, case.isovalues)}" if small else ""
+    return escape(f"{case.id}: {size} of {field.values.dtype}{spelt}")
 
 
 def _tell(spec: str, tally: Tally, claims: list[Claim], file: Path) -> None:
