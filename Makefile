@@ -7,7 +7,7 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: help grade test quick lint correct proof papers benchmarks reports catalogue docs clean
+.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports catalogue docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -20,6 +20,7 @@ help:
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make docs        the site, in docs/_build"
+	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
 	@echo "make benchmarks  speed and memory beside the peers"
 
 $(STAMP): pyproject.toml constraints.txt
@@ -67,6 +68,14 @@ benchmarks: $(STAMP)
 docs: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	$(BIN)/python -m sphinx -W -q -b html docs docs/_build
+
+# Tables from isoref, types, and one file; the packages are pinned by docs/explorer/package-lock.json.
+explorer: $(STAMP)
+	@command -v npm >/dev/null || { echo "make explorer needs node and npm (Debian: apt-get install nodejs npm)"; exit 1; }
+	cd docs/explorer && npm ci --no-fund --no-audit
+	mkdir -p docs/explorer/build
+	$(BIN)/python docs/explorer/tables.py docs/explorer/build/tables.json
+	cd docs/explorer && npm run --silent check && npm run --silent build
 
 clean:
 	rm -rf $(VENV) report build dist validation/proofs/build

@@ -38,16 +38,28 @@ addEventListener("load", async () => {{
 """
 
 
-def found(page: str, script: str, folder: Path, *flags: str) -> Any:
-    """What the body of an asynchronous function returns on this page, as JSON."""
-    chromium = next(filter(None, map(shutil.which, NAMES)), None)
-    if chromium is None:
+def chromium() -> str:
+    """The browser's program, or a skip that says how to provide it."""
+    program = next(filter(None, map(shutil.which, NAMES)), None)
+    if program is None:
         pytest.skip("no chromium: the page was not opened in a browser (apt-get install chromium)")
+    return program
+
+
+def found(page: str, script: str, folder: Path, *flags: str, fragment: str = "") -> Any:
+    """What the body of an asynchronous function returns on this page, as JSON."""
+    program = chromium()
     file = folder / "page.html"
     body = SCRIPT.format(body=script)
     file.write_text(page.replace("</body>", f"{body}</body>"), encoding="utf-8")
     done = subprocess.run(
-        [chromium, *FLAGS, *flags, f"--user-data-dir={folder / 'profile'}", file.as_uri()],
+        [
+            program,
+            *FLAGS,
+            *flags,
+            f"--user-data-dir={folder / 'profile'}",
+            f"{file.as_uri()}{fragment}",
+        ],
         capture_output=True,
         text=True,
         timeout=120,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -11,17 +13,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from isograde.report.viewer import turned_case
+from isoref import kuhn
 from isoref.cube import CORNERS
-from isoref.diconex import diconex
-from isoref.fast import sweep
-from isoref.fast.simplicial import extract
+from isoref.diconex import Mode, diconex
+from isoref.fast import simplicial
 from isoref.field import Field, Floats
-from isoref.kuhn import interpolate
 from isoref.methods import METHODS, RULES
 from isoref.rule import Rule
 from isoref.sweep import cell_crossings
 
-from tests.browser import found
+from tests.browser import chromium, found
 
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "explorer"
 PAGE = FOLDER / "explorer.html"
@@ -147,8 +149,10 @@ def test_decisions_and_points_are_those_of_isoref(
     script = f"""
       const cells = {json.dumps(values.tolist())};
       return Object.fromEntries([...explorer.tables.rules].map(([name, rule]) => [name,
-        cells.map((g) => {{ const {{ signs, decisions, tile, points }} = explorer.draw(explorer.tables, rule, g);
-          return [signs, decisions, tile.triangles, points]; }})]));
+        cells.map((g) => {{
+          const {{ signs, decisions, tile, points }} = explorer.draw(explorer.tables, rule, g);
+          return [signs, decisions, tile.triangles, points];
+        }})]));
     """
     told = found(page, script, tmp_path)
     columns = np.ascontiguousarray(values.T)
@@ -213,3 +217,164 @@ def corners_of(points: Floats, triangles: Any) -> Floats:
     rows = turned.reshape(len(turned), 9)
     order: Floats = rows[np.lexsort(rows.T[::-1])]
     return order
+
+
+@pytest.mark.parametrize("mode", ["disconnect", "connect", "mixed"])
+def test_contours_are_those_of_isoref(page: str, mode: Mode, tmp_path: Path) -> None:
+    """DICONEX's segments on an image, from the explorer's table of squares."""
+    values = np.round(np.random.default_rng(6).uniform(-1, 1, (7, 6)), 3)
+    script = f"""
+      const [values, m, n] = [{json.dumps(values.tolist())}, 7, 6], found = [];
+      for (let i = 0; i + 1 < m; i++) for (let j = 0; j + 1 < n; j++) {{
+        const g = [0, 1, 2, 3].map((c) => values[i + (c & 1)][j + (c >> 1)]);
+        const joined = {{ disconnect: false, connect: true,
+          mixed: g[0] + g[3] + (g[1] + g[2]) >= 0 }}[{mode!r}];
+        for (const segment of explorer.segments(explorer.tables, g, joined))
+          found.push(segment.map(([x, y]) => [x + i, y + j]));
+      }}
+      return found;
+    """
+    mine = sorted(np.round(found(page, script, tmp_path), 9).tolist())
+    mesh = diconex(values, 0.0, mode=mode).mesh
+    theirs = sorted(np.round(mesh.vertices[mesh.simplices], 9).tolist())
+    assert len(mine) > 30
+    np.testing.assert_allclose(mine, theirs, atol=1e-8)
+
+
+def test_slices_in_four_dimensions_are_those_of_min(page: str, tmp_path: Path) -> None:
+    """The corners of each polygon lie on the level set that is linear on Kuhn's simplices.
+
+    And together the polygons are as large as the slice of isoref's tetrahedra.
+    """
+    cells = np.round(np.random.default_rng(8).uniform(-1, 1, (20, 16)), 3)
+    script = f"""
+      return {json.dumps(cells.tolist())}.map((g) =>
+        explorer.simplicialSection(explorer.tables, g, 0.37));
+    """
+    answers = found(page, script, tmp_path)
+    for g, polygons in zip(cells, answers, strict=True):
+        # Corner c stands at bit a of c along axis a.
+        field = Field.of(g.reshape((2,) * 4).transpose(3, 2, 1, 0), dimension=4)
+        mesh = simplicial.extract(field, 0.0)
+        points = np.array([[*corner, 0.37] for polygon in polygons for corner in polygon])
+        assert len(points) > 3
+        np.testing.assert_allclose(kuhn.interpolate(field, points), 0, atol=1e-9)
+        assert area(polygons) == pytest.approx(area(slices(mesh.vertices[mesh.simplices], 0.37)))
+
+
+def slices(tetrahedra: Floats, w: float) -> list[list[list[float]]]:
+    """The polygons in which these tetrahedra meet w = const, their corners in order."""
+    found_polygons = []
+    for corners in tetrahedra.tolist():
+        low = [corner for corner in corners if corner[3] < w]
+        high = [corner for corner in corners if corner[3] >= w]
+        spots = [
+            [x + (w - a[3]) / (b[3] - a[3]) * (y - x) for x, y in zip(a[:3], b[:3], strict=True)]
+            for a in low
+            for b in high
+        ]
+        if len(spots) == 4:
+            spots = [spots[i] for i in (0, 1, 3, 2)]
+        if spots:
+            found_polygons.append(spots)
+    return found_polygons
+
+
+def area(polygons: list[list[list[float]]]) -> float:
+    """Together."""
+    total = 0.0
+    for polygon in polygons:
+        corners = np.array(polygon)
+        for i in range(2, len(corners)):
+            sides = corners[i - 1] - corners[0], corners[i] - corners[0]
+            total += float(np.linalg.norm(np.cross(*sides))) / 2
+    return total
+
+
+def test_the_fine_surface_has_the_topology_that_is_decided(
+    page: str, made: dict[str, Any], tmp_path: Path
+) -> None:
+    """On one cell of each topology: the pieces and Euler number of its triangles.
+
+    Discs and a tunnel are counted from the decisions. The fine surface is sampled, so a neck that
+    is thinner than a 24th of a cell may be missed: few are.
+    """
+    script = """
+      const { tables } = explorer, fine = new explorer.Tessellator(tables);
+      return Object.entries(tables.cells).map(([at, cell]) => {
+        const g = cell.map((x) => x / 1024), drawn = fine.draw(g);
+        const index = [...drawn.index.subarray(0, drawn.indices)];
+        const part = Array.from({ length: drawn.vertices }, (_, n) => n);
+        const root = (n) => { while (part[n] !== n) n = part[n] = part[part[n]]; return n; };
+        const edges = new Set();
+        for (let i = 0; i < index.length; i += 3) for (let k = 0; k < 3; k++) {
+          const [a, b] = [index[i + k], index[i + (k + 1) % 3]];
+          part[root(a)] = root(b);
+          edges.add(Math.min(a, b) * 1e6 + Math.max(a, b));
+        }
+        const worst = Math.max(0, ...part.map((_, n) => Math.abs(explorer.interpolate(g,
+          [0, 1, 2].map((k) => drawn.positions[3 * n + k])))));
+        const pieces = new Set(part.map((_, n) => root(n))).size;
+        return [+at, pieces, drawn.vertices - edges.size + index.length / 3, worst];
+      });
+    """
+    right = 0
+    answers = found(page, script, tmp_path)
+    for at, pieces, euler, worst in answers:
+        polygons = len(made["polygons"][str(at & 16383)])
+        tunnel = at >> 14 > 0
+        right += (pieces, euler) == (polygons - tunnel, polygons - 2 * tunnel)
+        assert worst < 1e-6, "vertices stand on the surface, but for single precision"
+    assert len(answers) == 768
+    assert right >= 0.98 * len(answers), right
+
+
+@pytest.mark.parametrize("kind", ["cell", "pair", "field", "plane", "four"])
+def test_a_failing_case_opens_in_the_explorer(page: str, kind: str, tmp_path: Path) -> None:
+    """Issue 17: a link in a report carries the samples and the isovalue, to the last digit."""
+    shapes = {
+        "cell": (2, 2, 2), "pair": (3, 2, 2), "field": (4, 3, 2), "plane": (3, 4), "four": (2,) * 4
+    }  # fmt: skip
+    shape = shapes[kind]
+    values = np.random.default_rng(2).uniform(-1, 1, shape)
+    record = {
+        "case": "mine", "shape": list(shape), "spacing": [1.0] * len(shape),
+        "origin": [0.0] * len(shape), "dtype": "float64", "isovalues": [0.1],
+        "values": values.ravel().tolist(), "finding": {"detail": "", "numbers": {}},
+        "came": {"status": "crash"},
+    }  # fmt: skip
+    case = turned_case(record, [], "inside")
+    assert case is not None
+    assert case["explorer"].startswith("explorer.html#")
+    link = "#" + case["explorer"].partition("#")[2] + "&v=" + ",".join(map(repr, case["values"]))
+    state = found(page, "return explorer.app.state;", tmp_path, fragment=link)
+    assert state["tab"] == kind
+    assert state[kind]["shape"] == list(shape)
+    assert state[kind]["values"] == record["values"]
+    assert state[kind]["isovalue"] == 0.1
+
+
+def test_the_page_is_what_its_sources_make(tables: ModuleType, tmp_path: Path) -> None:
+    """Built again from the tables of now: byte for byte the page that is shipped."""
+    need_node()
+    built = tmp_path / "explorer.html"
+    place = FOLDER / "build" / "tables.json"
+    place.parent.mkdir(exist_ok=True)
+    place.write_text(json.dumps(tables.tables(), separators=(",", ":")), encoding="utf-8")
+    subprocess.run(["node", "build.mjs", str(built)], cwd=FOLDER, check=True, capture_output=True)
+    assert built.read_bytes() == PAGE.read_bytes(), "run make explorer"
+
+
+def test_readers_use_it_by_mouse_keys_and_fingers() -> None:
+    """`npm test`: input, links, names, contrast, motion, a telephone, the cost of a frame."""
+    need_node()
+    chromium()
+    done = subprocess.run(["npm", "test"], cwd=FOLDER, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-6000:]
+    assert "# fail 0" in done.stdout
+
+
+def need_node() -> None:
+    """A skip that says how to provide node and the packages, where they are absent."""
+    if shutil.which("node") is None or not (FOLDER / "node_modules").is_dir():
+        pytest.skip("no node with the explorer's packages: run make explorer")

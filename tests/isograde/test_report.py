@@ -477,7 +477,8 @@ def test_a_report_has_no_changes_from_itself(report: Report) -> None:
 
 def test_every_format_writes_one_file_and_leaves_no_draft(report: Report, tmp_path: Path) -> None:
     written = write(report, tmp_path, "name", FORMATS)
-    assert sorted(tmp_path.iterdir()) == sorted(written)
+    beside = tmp_path / "explorer.html"
+    assert sorted(tmp_path.iterdir()) == sorted([*written, beside])
     write_whole(tmp_path / "name.md", "again")
     assert (tmp_path / "name.md").read_text(encoding="utf-8") == "again"
 

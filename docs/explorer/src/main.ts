@@ -12,7 +12,7 @@ import { LinkError, read, type State, type TabName, TABS, written } from "./stat
 import { load, type Raw } from "./tables.ts";
 import { CellTab } from "./tabs/cell.ts";
 import { FieldTab } from "./tabs/field.ts";
-import { FourTab, kuhnValue, simplicialSection } from "./tabs/four.ts";
+import { FourTab, simplicialSection } from "./tabs/four.ts";
 import { GalleryTab } from "./tabs/gallery.ts";
 import { HOLE, PairTab } from "./tabs/pair.ts";
 import { PlaneTab, saddleJoins, segments, square } from "./tabs/plane.ts";
@@ -139,7 +139,7 @@ function begin(): void {
   addEventListener("hashchange", follow);
   follow();
   Object.assign(window, {
-    explorer: { tables, app, stage, ...decisions, ...cell, ...grid, ...trilinear, saddleJoins, segments, simplicialSection, kuhnValue, made, read, written },
+    explorer: { tables, app, stage, ...decisions, ...cell, ...grid, ...trilinear, saddleJoins, segments, simplicialSection, made, read, written },
   });
 }
 

@@ -10,6 +10,7 @@ from isograde.report.junit import junit
 from isograde.report.markdown import markdown
 from isograde.report.page import page
 from isograde.report.reading import Report
+from isograde.report.viewer import EXPLORER, explorer
 
 FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
     "html": (".html", page),
@@ -20,7 +21,14 @@ FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
 
 
 def write(report: Report, folder: Path, stem: str, formats: Iterable[str]) -> list[Path]:
-    """The files of these formats, each written whole or not at all."""
+    """The files of these formats, each written whole or not at all.
+
+    Beside a page stands the explorer, which its failing cases open in.
+    """
+    formats = tuple(formats)
+    shown = explorer()
+    if "html" in formats and shown is not None:
+        write_whole(folder / EXPLORER, shown.read_text(encoding="utf-8"))
     return [
         write_whole(folder / f"{stem}{FORMATS[name][0]}", FORMATS[name][1](report))
         for name in formats

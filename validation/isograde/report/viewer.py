@@ -10,7 +10,8 @@ that a page of reports stays small::
     inside                   for each sample, 1 where it is inside every component
     isovalues, spacing, origin
     answers                  caption, points, rows (simplices), left_out, marks
-    explorer                 the link that opens the case in the explorer, or nothing
+    explorer                 the link that opens the case in the explorer, without the values,
+                             or nothing where the explorer cannot show it
 
 A mark is a kind with one point or the two ends of a segment. Kinds are the classes of the static
 picture (gap, crowd, rim, ring, sore-line), and three more: `twice` a simplex that is there more
@@ -22,7 +23,9 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from importlib import resources
 from itertools import combinations, pairwise, product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +40,8 @@ KEPT, MARKED = 300, 60
 SAMPLES = 400
 # A picture is 360 units wide: in a lattice of up to 36 samples a side this is below a tenth of one.
 DECIMALS = 3
+# The explorer stands beside the pages, under this name.
+EXPLORER = "explorer.html"
 # JSON's readers keep integers up to here.
 EXACT = 2**53
 
@@ -69,8 +74,36 @@ def turned_case(record: JSON | None, answers: list[tuple[str, JSON]], tie: str) 
             for n, ((caption, _), scene) in enumerate(zip(answers, scenes, strict=True))
             if space
         ],
-        "explorer": "",
+        "explorer": _opened(record, values),
     }
+
+
+def explorer() -> Path | None:
+    """The explorer's page: with the package where that is installed, else where it is built."""
+    package = Path(str(resources.files("isograde")))
+    places = (package / "report" / EXPLORER, package.parents[1] / "docs" / "explorer" / EXPLORER)
+    return next((place for place in places if place.is_file()), None)
+
+
+def _opened(record: JSON, values: list[Any]) -> str:
+    """The link to the case in the explorer, to which a page adds the values; or nothing.
+
+    It shows one component of finite numbers, in a plane, in space, or on a cell of four dimensions.
+
+    >>> record = {"shape": [2, 2, 2], "isovalues": [0.5]}
+    >>> _opened(record, [0.0] * 8) if explorer() else "explorer.html#tab=cell&n=2,2,2&i=0.5"
+    'explorer.html#tab=cell&n=2,2,2&i=0.5'
+    >>> _opened(record, [math.nan] * 8)
+    ''
+    """
+    shape = tuple(record["shape"])
+    finite = all(map(math.isfinite, [*values, *record["isovalues"]]))
+    known = {(2, 2, 2): "cell", (3, 2, 2): "pair", (2, 2, 2, 2): "four"}
+    tab = known.get(shape) or {2: "plane", 3: "field"}.get(len(shape))
+    shown = values and finite and tab and len(record["isovalues"]) == 1 and min(shape) > 1
+    if not shown or len(values) > SAMPLES or explorer() is None:
+        return ""
+    return f"{EXPLORER}#tab={tab}&n={','.join(map(str, shape))}&i={record['isovalues'][0]}"
 
 
 def _plain(value: Any) -> Any:

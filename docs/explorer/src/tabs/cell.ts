@@ -142,7 +142,11 @@ export class CellTab implements Tab {
       const [p, q] = [a, b].map((name) => name.split(".").map(Number));
       return p[0] - q[0] || (p[1] ?? 0) - (q[1] ?? 0) || (p[2] ?? 0) - (q[2] ?? 0);
     });
-    const options = [["", "choose a case"] as const, ...order.map((name) => [name, `case ${name}${name.endsWith(".2") && name.length > 3 || name === "4.2" ? ", a tunnel" : ""}`] as const)];
+    const tunnel = (name: string) => Number(first.get(name)) >> 14 > 0;
+    const options = [
+      ["", "choose a case"] as const,
+      ...order.map((name) => [name, `case ${name}${tunnel(name) ? ", a tunnel" : ""}`] as const),
+    ];
     const select = choice("Begin with", options, "", (name) => {
       if (name) this.put({ values: reordered(cells[first.get(name)!].map((x) => x / 1024)), isovalue: 0 });
     });
@@ -151,12 +155,12 @@ export class CellTab implements Tab {
       const next = random(Date.now() + seed++);
       this.put({ values: Array.from({ length: 8 }, () => Number((2 * next() - 1).toFixed(2))), isovalue: 0 });
     });
-    const tunnel = button("through a tunnel", () => {
+    const through = button("through a tunnel", () => {
       this.put({ values: [1, -0.4, -0.4, -0.4, -0.4, -0.4, -0.4, 1], isovalue: -0.35 });
       this.isovalue.root.querySelector<HTMLButtonElement>(".play")?.click();
     });
-    tunnel.title = "two opposite corners are high: slide the isovalue through the cell";
-    return element("section", { class: "presets" }, select, chance, tunnel);
+    through.title = "two opposite corners are high: slide the isovalue through the cell";
+    return element("section", { class: "presets" }, select, chance, through);
   }
 
   update(): void {

@@ -41,7 +41,7 @@ from the centre, times a scale. Parts are painted from far to near, by the depth
  * @property {number[]} origin
  * @property {string} dtype
  * @property {Answer[]} answers
- * @property {string} explorer a link, or nothing
+ * @property {string} explorer a link, to which the values are added, or nothing
  */
 
 const SIZE = 360, ROOM = 26;
@@ -425,7 +425,7 @@ const enliven = (script) => {
   }
   if (one.explorer) {
     const link = /** @type {HTMLAnchorElement} */ (element("a", "", "open in the explorer"));
-    link.href = one.explorer;
+    link.href = `${one.explorer}&v=${one.values.join(",")}`;
     bar.append(link);
   }
   bar.append(said);
