@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import io
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import jsonschema
 from isograde.cases import Catalogue
 from isograde.declaration import Declaration, declaration_from
-from isograde.grading import Writer
+from isograde.grading import graded_by
 from isograde.model import SURFACES, Adapter, Case, Claim, Finding, Kind, Trial, Verdict
 from isograde.oracles.bodies import KINDS
 from isograde.report import record
-from isograde.report.lines import schema
+from isograde.report.lines import lines, schema
 from isograde.report.reading import Report, gather
-from isograde.runner import Judged, Options, Worker, claims_for, plan
+from isograde.runner import Judged, Options, Worker, claims_for
 from isoref.field import Field
 
 
@@ -101,15 +102,15 @@ def made(
     declaration: Declaration = declaration_from(
         {"name": "mine", "version": "1.2", "level": 4, **declared}, "mine"
     )
-    lines = [record.header("python:mine:f", declaration, Options(only=only), ["grade"])]
-    lines += [record.claim_record(one, declaration) for one in claims.values()]
+    written = [record.header("python:mine:f", declaration, Options(only=only), ["grade"])]
+    written += [record.claim_record(one, declaration) for one in claims.values()]
     tally = record.Tally()
     for asked, judged in rows:
-        lines.append(record.case_record(asked))
-        lines.append(record.result_record(judged, claims))
+        written.append(record.case_record(asked))
+        written.append(record.result_record(judged, claims))
         tally.add(judged)
-    lines.append(tally.footer(1.5, gather(lines)))
-    return gather(lines)
+    written.append(tally.footer(1.5, gather(written)))
+    return gather(written)
 
 
 def graded(adapter: Adapter, spec: str, asked: Iterable[Case], only: str = "") -> Report:
@@ -120,16 +121,13 @@ def graded(adapter: Adapter, spec: str, asked: Iterable[Case], only: str = "") -
         cases = Catalogue({one.id: one for one in asked})
         claims = {name: one for name, one in claims_for(declared).items() if name.startswith(only)}
         worker = Worker(adapter, declared, cases, claims)
-        writer = Writer(io.StringIO(), worker)
-        tasks = plan(options, cases, claims)
-        writer.write(record.header(spec, declared, options, []))
-        writer.write_claims(tasks)
-        tally, smallest = writer.write_results(tasks, map(worker.judge, tasks), None)
-        writer.write_evidence(smallest, options)
-        writer.write(tally.footer(0.5, gather(writer.records)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "report.jsonl"
+            report = graded_by(worker, spec, options, path)
+            records = list(lines(path))
     finally:
         adapter.close()
-    for line in writer.records:
+    for line in records:
         # What was written is what the schema says.
         jsonschema.validate(line, schema())
-    return gather(writer.records)
+    return report

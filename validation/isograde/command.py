@@ -91,9 +91,9 @@ def isograde_(
         raise typer.Exit
 
 
-def _finite(value: float) -> float:
+def _finite(value: float | None) -> float | None:
     """The number of seconds; a usage error for one that never ends."""
-    if not math.isfinite(value):
+    if value is not None and not math.isfinite(value):
         raise typer.BadParameter(f"{value} is no number of seconds that ends; write 3600 for long")
     return value
 
@@ -138,6 +138,22 @@ def grade(
         list[Path] | None,
         typer.Option(metavar="FILE", help="Cases of your own, as isograde search keeps them."),
     ] = None,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            min=1,
+            callback=_finite,
+            help="Seconds in all; the report has what was judged by then.",
+        ),
+    ] = None,
+    resume: Annotated[
+        bool | None,
+        typer.Option(
+            "--resume/--fresh",
+            help="Insist on going on with a run that was stopped, or begin anew; by default "
+            "the same command goes on where it was.",
+        ),
+    ] = None,
 ) -> None:
     """Grade an implementation and write the report."""
     if everything == (implementation is not None):
@@ -148,13 +164,14 @@ def grade(
 
     limits = Limits(timeout, memory)
     own = tuple(cases or ())
-    options = Options(seed, full, tuple(only or ()), limits, jobs or processors(), own)
+    jobs = jobs or processors()
+    options = Options(seed, full, tuple(only or ()), limits, jobs, own, budget)
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:
-        grading.grade_all(options, out, kinds, strict)
+        grading.grade_all(options, out, kinds, strict, resume)
     else:
-        grading.grade_one(implementation, options, out, kinds, strict)
+        grading.grade_one(implementation, options, out, kinds, strict, resume)
 
 
 @app.command(name="search")
@@ -173,7 +190,9 @@ def search_(
         typer.Option(metavar="REPORT", help="Leave out claims that failed in this report."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Other fields.")] = 0,
-    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 10.0,
+    timeout: Annotated[
+        float, typer.Option(min=0.01, callback=_finite, help="Seconds a call may take.")
+    ] = 10.0,
     memory: Annotated[int, typer.Option(min=16, help="Megabytes it may hold.")] = 4096,
 ) -> None:
     """Look for failures that the plan does not contain, and keep them for grade --cases."""

@@ -8,11 +8,13 @@ them.
 
 from __future__ import annotations
 
+import hashlib
+import math
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,8 @@ from isograde.adapters import open_adapter
 from isograde.adapters.loading import called
 from isograde.causes import roots
 from isograde.declaration import Declaration
+from isograde.drafts import Draft, fingerprint
+from isograde.errata import PLAN
 from isograde.model import (
     BAD,
     CONTOURS,
@@ -37,6 +41,8 @@ from isograde.report import lines, reading, record, shown
 from isograde.runner import Evidence, Judged, Options, Task, Worker, plan, run
 from isograde.shrinking import shrink
 
+# Keep this share of a budget for the evidence and the pages.
+SHARE = 0.2
 # A second process costs a start; below so many cases it does not pay.
 CASES_PER_JOB = 60
 # Show the answer of one of these beside a failed one, where the claim holds of it; for any other
@@ -49,6 +55,7 @@ CONTRAST: Mapping[Kind, tuple[str, ...]] = {
 SIMPLICIAL, LABELS = "isoref:simplicial", "isoref:label-cubes"
 DUAL = ("isoref:dual-marching-cubes", "isoref:surface-nets")
 
+Say = Callable[[str], None]
 Watch = Callable[[int, int, record.Tally], None]
 
 
@@ -77,8 +84,19 @@ def grade(
     *,
     arguments: Sequence[str] = (),
     watch: Watch | None = None,
+    resume: bool | None = None,
+    interruptible: bool = False,
+    say: Say | None = None,
 ) -> reading.Report:
-    """The report of one implementation, written to `path` line by line.
+    """The report of one implementation, written to `path`.
+
+    What was judged is kept beside it as it comes (`isograde.drafts`), and taken from there where an
+    earlier run of the same was stopped. Where the budget is used up the report is of what was
+    judged until then, and says so; the rest can be judged later.
+
+    resume : True insists on an earlier run's draft, False begins anew
+    interruptible : Ctrl-C stops as a budget does, with a report at `interrupted(path)`
+    say : called with what is worth a sentence meanwhile
 
     Raises
     ------
@@ -86,89 +104,254 @@ def grade(
         where the implementation does not start.
     NothingToRun
         where no case and claim match.
+    Busy, NotResumed
+        where another process grades into this place; where there is nothing to go on with.
     """
-    start = time.perf_counter()
     worker = Worker.open(spec, options)
+    how = Manner(watch, resume, interruptible, say)
     try:
-        tasks = plan(options, worker.cases, worker.claims)
-        options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = unfinished(path)
-        with lines.open_text(draft, "w") as file:
-            writer = Writer(file, worker, options.only)
-            writer.write(record.header(called(spec), worker.declaration, options, list(arguments)))
-            writer.write_claims(tasks)
-            tally, smallest = writer.write_results(tasks, run(spec, tasks, options, worker), watch)
-            writer.write_evidence(smallest, options)
-            seconds = time.perf_counter() - start
-            writer.write(tally.footer(seconds, reading.gather(writer.records)))
-        draft.replace(path)
+        return graded_by(worker, spec, options, path, arguments, how)
     finally:
         worker.adapter.close()
-    return reading.gather(writer.records)
 
 
-def unfinished(path: Path) -> Path:
-    """Where the lines of the report `path` stand until it has all of them."""
-    return path.with_name(f"unfinished-{path.name}")
+@dataclass(frozen=True)
+class Manner:
+    """How a run is watched and stopped; see `grade`."""
+
+    watch: Watch | None = None
+    resume: bool | None = None
+    interruptible: bool = False
+    say: Say | None = None
 
 
-class Writer:
-    """Writes records, and keeps them for the pages."""
+def graded_by(
+    worker: Worker,
+    spec: str,
+    options: Options,
+    path: Path,
+    arguments: Sequence[str] = (),
+    how: Manner | None = None,
+) -> reading.Report:
+    """The report by an open worker, written to `path`; see `grade`."""
+    start, how = time.monotonic(), how or Manner()
+    tasks = plan(options, worker.cases, worker.claims)
+    options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
+    first = _beginning(spec, tasks, worker, options, arguments)
+    with Draft.of(path, first, how.resume) as draft:
+        judging = Judging(worker, options, draft, start)
+        stopped = judging.all(spec, tasks, how)
+        records = _records(first, tasks, judging, stopped, start)
+        report = reading.gather(records)
+        _write(place_of(path, report), records)
+        if stopped is None:
+            draft.remove()
+    return report
 
-    def __init__(self, file: Any, worker: Worker, only: Sequence[str] = ()):
-        self.file = file
-        self.only = only
-        self.worker = worker
-        self.records: list[lines.JSON] = []
 
-    def write(self, line: lines.JSON) -> None:
-        """One more line."""
-        self.records.append(lines.write_line(self.file, line))
+INTERRUPTED = "interrupted"
 
-    def write_claims(self, tasks: Sequence[Task]) -> None:
-        """A line for each claim stated for the implementation, or in part for each that is judged.
 
-        A claim that no task judges is shown too: it is without evidence.
-        """
-        judged = {name for task in tasks for name in task.claims}
-        for name, claim in self.worker.claims.items():
-            if not self.only or name in judged:
-                self.write(record.claim_record(claim, self.worker.declaration))
+def place_of(path: Path, report: reading.Report) -> Path:
+    """Where a report is written: what Ctrl-C leaves takes the place of no whole report."""
+    was = report.stopped is not None and report.stopped["why"] == INTERRUPTED
+    return path.with_name(f"{INTERRUPTED}-{path.name}") if was else path
 
-    def write_results(
-        self, tasks: Sequence[Task], judgements: Any, watch: Watch | None
-    ) -> tuple[record.Tally, dict[str, Smallest]]:
-        """A case and a result line for each task; what was counted, and the smallest failures."""
-        tally, smallest = record.Tally(), dict[str, Smallest]()
-        for judged in judgements:
-            case = self.worker.cases[judged.case]
-            self.write(record.case_record(case))
-            self.write(record.result_record(judged, self.worker.claims))
-            tally.add(judged)
-            _keep(smallest, judged, case.samples)
-            if watch is not None:
-                watch(tally.cases, len(tasks), tally)
-        return tally, smallest
 
-    def write_evidence(self, smallest: Mapping[str, Smallest], options: Options) -> None:
+def _beginning(
+    spec: str, tasks: Sequence[Task], worker: Worker, options: Options, arguments: Sequence[str]
+) -> list[lines.JSON]:
+    """The header, and a line for each claim: stated, or in a run of a part judged by some task.
+
+    A claim that no task judges is shown too: it is without evidence.
+    """
+    judged = {name for task in tasks for name in task.claims}
+    header = record.header(called(spec), worker.declaration, options, list(arguments))
+    header |= {"plan": PLAN, "tasks": checksum(tasks), "fingerprint": fingerprint(spec)}
+    claims = [
+        record.claim_record(claim, worker.declaration)
+        for name, claim in worker.claims.items()
+        if not options.only or name in judged
+    ]
+    return [lines.plain(one) for one in (header, *claims)]
+
+
+def checksum(tasks: Sequence[Task]) -> str:
+    """A number for what is asked: the same for the same cases and claims."""
+    digest = hashlib.sha256()
+    for task in tasks:
+        digest.update(f"{task.case}\n{' '.join(task.claims)}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def _records(
+    first: Sequence[lines.JSON],
+    tasks: Sequence[Task],
+    judging: Judging,
+    stopped: lines.JSON | None,
+    start: float,
+) -> list[lines.JSON]:
+    """The lines of the report in the order of the plan, whatever the order they were judged in."""
+    done = judging.draft.done
+    records = [*first]
+    for task in tasks:
+        records += done.get(task.case, ())
+    records += map(lines.plain, judging.evidence(tasks))
+    report = reading.gather(records)
+    tally = record.tally_of(report)
+    report.footer = None if stopped is None else {"stopped": stopped}
+    seconds = judging.earlier + time.monotonic() - start
+    footer = tally.footer(seconds, report)
+    return [*records, lines.plain(footer if stopped is None else {**footer, "stopped": stopped})]
+
+
+def _write(path: Path, records: Sequence[lines.JSON]) -> None:
+    """The report is there, whole; until then what was there before stays."""
+    draft = path.with_name(f".{path.name}.tmp{path.suffix if path.suffix == '.gz' else ''}")
+    try:
+        with lines.open_text(draft, "w") as file:
+            for one in records:
+                lines.write_line(file, one)
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+class Judging:
+    """The judging of a plan: what is known already is not asked again.
+
+    earlier : seconds that earlier runs took for what is taken from them
+    """
+
+    def __init__(self, worker: Worker, options: Options, draft: Draft, start: float):
+        self.worker, self.options, self.draft = worker, options, draft
+        self.earlier = sum(float(result["seconds"]) for _, result in draft.done.values())
+        self.deadline = math.inf if options.budget is None else start + options.budget
+        self.smallest: dict[str, Smallest] = {}
+        self.judged: dict[str, Judged] = {}
+
+    def all(self, spec: str, tasks: Sequence[Task], how: Manner) -> lines.JSON | None:
+        """Judge each task; None, or why it was stopped before the end, and how much is left."""
+        done = self.draft.done
+        left = [task for task in tasks if task.case not in done]
+        if how.say is not None and done:
+            before = f"{len(done):,} of {len(tasks):,} cases were judged before"
+            how.say(f"{before}; --fresh judges all again")
+        tally = record.Tally()
+        for _, result in done.values():
+            tally.add_record(result)
+        if self.options.budget is not None:
+            left = spread(left)
+        why = ""
+        results = run(spec, left, self.options, self.worker)
+        try:
+            for judged in results:
+                self._take(judged, tally)
+                if how.watch is not None:
+                    how.watch(tally.cases, len(tasks), tally)
+                # Leave a part of the budget for the evidence and the pages.
+                if time.monotonic() > self.deadline - SHARE * (self.options.budget or 0.0):
+                    why = f"the budget of {self.options.budget:g} s is used up"
+                    break
+        except KeyboardInterrupt:
+            if not how.interruptible:
+                raise
+            why = INTERRUPTED
+        finally:
+            results.close()
+        rest = len(tasks) - len(done)
+        return {"why": why, "left": rest} if why and rest else None
+
+    def _take(self, judged: Judged, tally: record.Tally) -> None:
+        """One more case is known, and in the draft."""
+        case = self.worker.cases[judged.case]
+        pair = (
+            lines.plain(record.case_record(case)),
+            lines.plain(record.result_record(judged, self.worker.claims)),
+        )
+        self.draft.add(*pair)
+        self.draft.done[judged.case] = pair
+        tally.add(judged)
+        if judged.evidence is not None:
+            self.judged[judged.case] = judged
+        _keep(self.smallest, judged, case.samples)
+        kept = {one.judged.case for one in self.smallest.values()}
+        self.judged = {name: one for name, one in self.judged.items() if name in kept}
+
+    def evidence(self, tasks: Sequence[Task]) -> Iterator[lines.JSON]:
         """A line for each failed claim whose smallest case, made smaller still, can be shown."""
-        worker = self.worker
-        found = {claim: _shrunk(claim, one, worker) for claim, one in smallest.items()}
+        self._recall(tasks)
+        worker, legal = self.worker, Legal(self.worker, self.options)
+        found = {claim: self._shrunk(claim, one) for claim, one in self.smallest.items()}
         kept = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
-        legal = self._legal({claim: one.judged for claim, one in kept.items()}, options)
+        answers = legal.answers({claim: one.judged for claim, one in kept.items()})
         for claim, one in kept.items():
-            judged, posed = one.judged, worker.claims[claim].variants
-            answer = legal.get(claim)
-            self.write(shown.evidence_record(claim, judged, one.of, answer, posed))
+            posed = worker.claims[claim].variants
+            yield shown.evidence_record(claim, one.judged, one.of, answers.get(claim), posed)
 
-    def _legal(self, judgements: Mapping[str, Judged], options: Options) -> dict[str, Outcome]:
+    def _shrunk(self, claim: str, one: Smallest) -> Smallest:
+        """The smallest block on which the claim fails; the case as it is where time is over."""
+        return one if time.monotonic() > self.deadline else _shrunk(claim, one, self.worker)
+
+    def _recall(self, tasks: Sequence[Task]) -> None:
+        """`smallest` is over all that was judged, in the order of the plan.
+
+        What an earlier run judged is known by its lines alone; where it has the smallest case of a
+        claim, that is judged once more, for its field and its answers.
+        """
+        sizes: dict[str, tuple[bool, bool, int]] = {}
+        where: dict[str, Task] = {}
+        for task in tasks:
+            if task.case not in self.draft.done:
+                continue
+            case, result = self.draft.done[task.case]
+            bad = {
+                one["claim"]: one.get("numbers", {})
+                for one in result["findings"]
+                if one["verdict"] in BAD
+            }
+            for name, root in roots(bad).items():
+                size = (not result["general"], root != name, int(case["samples"]))
+                if name in bad and (name not in sizes or size < sizes[name]):
+                    sizes[name], where[name] = size, task
+        again: dict[str, Judged] = dict(self.judged)
+        self.smallest = {}
+        for name, task in where.items():
+            if task.case not in again:
+                again[task.case] = self.worker.judge(task)
+            judged = again[task.case]
+            if name in judged.findings and judged.findings[name].verdict in BAD:
+                _, follows, samples = sizes[name]
+                self.smallest[name] = Smallest(judged, samples, follows=follows)
+
+
+def spread(tasks: Sequence[Task]) -> list[Task]:
+    """The tasks, those of every family in turn, so that a part of them is of all kinds.
+
+    >>> [one.case for one in spread([Task("a/1", ()), Task("a/2", ()), Task("b/1", ())])]
+    ['a/1', 'b/1', 'a/2']
+    """
+    families: dict[str, list[Task]] = {}
+    for task in tasks:
+        families.setdefault(task.case.split("/")[0], []).append(task)
+    turns = zip_longest(*families.values())
+    return [task for turn in turns for task in turn if task is not None]
+
+
+@dataclass(frozen=True)
+class Legal:
+    """Answers of which a failed claim holds, asked of the references."""
+
+    worker: Worker
+    options: Options
+
+    def answers(self, judgements: Mapping[str, Judged]) -> dict[str, Outcome]:
         """For each claim an answer to its failed case that is right, where one was found."""
         found: dict[str, Outcome] = {}
         declared = self.worker.declaration
         for spec in _references(declared, {judged.kind for judged in judgements.values()}):
             asked = {name: one for name, one in judgements.items() if name not in found}
-            answers = contrast(spec, list(asked.values()), options, declared)
+            answers = contrast(spec, list(asked.values()), self.options, declared)
             for name, judged in asked.items():
                 answer = answers.get(judged.case)
                 if answer is not None and self._right(name, judged, answer):

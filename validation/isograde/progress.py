@@ -1,7 +1,8 @@
 """A bar while something is graded: on a terminal, in a notebook, or nowhere.
 
 It is gone when it is done. In a notebook it is an HTML ``<progress>`` that is updated in place,
-which needs no widgets; what is not a terminal is not written to.
+which needs no widgets. What is no terminal, such as a log, gets a line now and then from the
+command, and nothing from Python.
 """
 
 from __future__ import annotations
@@ -22,16 +23,23 @@ from isograde.report.record import Tally
 
 # Update a notebook's bar so many times a second at most.
 PER_SECOND = 5
+# Write a line into what is no terminal after so many seconds.
+LINE_SECONDS = 10.0
 
 
 @contextmanager
-def progress(title: str, wanted: bool | None = None) -> Iterator[Watch | None]:
+def progress(
+    title: str, wanted: bool | None = None, *, by_lines: bool = False
+) -> Iterator[Watch | None]:
     """What `isograde.grading.grade` calls after each case; None where nothing is to be shown.
 
     wanted : True, False, or None for a terminal and a notebook
+    by_lines : what is no terminal gets a line now and then
     """
     if wanted is False:
         yield None
+    elif by_lines and not errors.is_terminal and not in_notebook():
+        yield _line_now_and_then(title)
     elif in_notebook():
         yield from _in_notebook(title)
     else:
@@ -67,6 +75,20 @@ def _on_terminal(title: str, shown: bool) -> Iterator[Watch]:
             bar.update(task, completed=done, total=total, bad=_bad(tally))
 
         yield watch
+
+
+def _line_now_and_then(title: str) -> Watch:
+    """A line on standard error every `LINE_SECONDS`, for logs; none for what is quickly done."""
+    due = time.monotonic() + LINE_SECONDS
+
+    def watch(done: int, total: int, tally: Tally) -> None:
+        nonlocal due
+        if time.monotonic() >= due:
+            due = time.monotonic() + LINE_SECONDS
+            said = ", ".join(filter(None, [f"{title}: {done:,} of {total:,} cases", _bad(tally)]))
+            errors.print(said, markup=False)
+
+    return watch
 
 
 def _in_notebook(title: str) -> Iterator[Watch]:

@@ -22,10 +22,11 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -79,6 +80,7 @@ class Options:
     only : globs on ids of claims or of cases; empty for all
     full : every case, and every variant on all but pairs and large cases
     own : files of cases of the user's own, which are added to the plan
+    budget : seconds after which no further case is begun; None for all cases
     """
 
     seed: int = 0
@@ -87,6 +89,7 @@ class Options:
     limits: Limits = fresh(default_factory=Limits)
     jobs: int = 1
     own: tuple[Path, ...] = ()
+    budget: float | None = None
 
 
 @dataclass(frozen=True)
@@ -310,7 +313,7 @@ def _all(case: Case, claims: Iterable[Claim], finding: Finding) -> Judged:
 
 def run(
     spec: str, tasks: Sequence[Task], options: Options, worker: Worker | None = None
-) -> Iterator[Judged]:
+) -> Generator[Judged]:
     """Every task judged, in the order of the plan.
 
     With one job the open `worker` does them all; otherwise each of several processes opens an
@@ -323,7 +326,7 @@ def run(
     pool = ProcessPoolExecutor(options.jobs, context, _start, (spec, options))
     try:
         with _without_main():
-            portions = pool.map(_judge_all, _portions(tasks, options.jobs))
+            portions = pool.map(_judge_all, _portions(tasks, options))
         for portion in portions:
             yield from portion
     finally:
@@ -341,9 +344,10 @@ def _without_main() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
-def _portions(tasks: Sequence[Task], jobs: int) -> list[Sequence[Task]]:
-    """The tasks in runs of neighbours, long enough to be worth a message."""
-    size = max(1, min(16, len(tasks) // (4 * jobs)))
+def _portions(tasks: Sequence[Task], options: Options) -> list[Sequence[Task]]:
+    """The tasks in runs of neighbours, long enough to be worth a message, where there is time."""
+    size = max(1, min(16, len(tasks) // (4 * options.jobs)))
+    size = size if options.budget is None else 1
     return [tasks[start : start + size] for start in range(0, len(tasks), size)]
 
 
@@ -353,6 +357,8 @@ _WORKERS: list[Worker] = []
 
 def _start(spec: str, options: Options) -> None:
     """The worker of this process is open."""
+    # Ctrl-C is for the process that started this one, which ends it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     _WORKERS[:] = [Worker.open(spec, options)]
 

@@ -15,7 +15,8 @@ from isograde import report as reports
 from isograde.adapters import ready_made_names
 from isograde.cases.own import OwnCasesError
 from isograde.commands.console import Exit, console, errors, say, status_of, stop
-from isograde.grading import grade, unfinished
+from isograde.drafts import Busy, NotResumed, unfinished
+from isograde.grading import INTERRUPTED, grade, place_of
 from isograde.model import AdapterError, UnknownName
 from isograde.progress import progress
 from isograde.report import comparison, reading, words
@@ -25,23 +26,49 @@ from isograde.runner import NothingToRun, Options
 
 
 def grade_one(
-    spec: str, options: Options, out: Path, kinds: list[str], strict: bool = False
+    spec: str,
+    options: Options,
+    out: Path,
+    kinds: list[str],
+    strict: bool = False,
+    resume: bool | None = None,
 ) -> None:
     """One implementation graded, its report written and told."""
     path = out / "report.jsonl"
     with _faults_told(path):
-        result = _grade(spec, options, path)
-        pages = reports.write(result, out, "report", kinds)
+        result = _grade(spec, options, path, resume)
+        place = place_of(path, result)
+        pages = reports.write(result, out, place.stem, kinds)
     _tell(result)
-    shown = pages[0] if pages else out / "report.jsonl"
-    say(f"\nreport: [bold]{escape(str(shown))}[/]")
-    raise typer.Exit(status_of(result, strict))
+    say(f"\nreport: [bold]{escape(str(pages[0] if pages else place))}[/]")
+    raise typer.Exit(_status(result, path, strict))
 
 
-def _grade(spec: str, options: Options, path: Path) -> reading.Report:
+def _status(result: reading.Report, path: Path, strict: bool) -> Exit:
+    """The status of a report, which is told where it is of a part; STOPPED after Ctrl-C."""
+    if result.stopped is None:
+        return status_of(result, strict)
+    why, left = result.stopped["why"], result.stopped["left"]
+    draft = escape(str(unfinished(path)))
+    errors.print(
+        f"[yellow]{why}[/]: {left:,} cases were not judged. The same command goes on from {draft}"
+    )
+    return Exit.STOPPED if why == INTERRUPTED else status_of(result, strict)
+
+
+def _grade(spec: str, options: Options, path: Path, resume: bool | None = None) -> reading.Report:
     """The report of one implementation, with a bar while it is made. Raises `AdapterError`."""
-    with progress(spec) as watch:
-        return grade(spec, options, path, arguments=sys.argv[1:], watch=watch)
+    with progress(spec, by_lines=True) as watch:
+        return grade(
+            spec,
+            options,
+            path,
+            arguments=sys.argv[1:],
+            watch=watch,
+            resume=resume,
+            interruptible=True,
+            say=lambda told: errors.print(told, markup=False),
+        )
 
 
 @contextmanager
@@ -57,6 +84,8 @@ def _faults_told(path: Path) -> Iterator[None]:
         stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
         stop(Exit.NO_EVIDENCE, str(error.args[0]))
+    except (Busy, NotResumed) as error:
+        stop(Exit.WRONG_USE, str(error))
     except OSError as error:
         why = f"{path} cannot be written: {error.filename}: {error.strerror}"
         stop(Exit.WRONG_USE, f"{why}; name another folder with --out")
@@ -71,7 +100,13 @@ def _stopped(path: Path) -> str:
     return f"stopped before the end{kept}. No report was written or changed."
 
 
-def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = False) -> None:
+def grade_all(
+    options: Options,
+    out: Path,
+    kinds: list[str],
+    strict: bool = False,
+    resume: bool | None = None,
+) -> None:
     """Every ready-made implementation graded, a page each, and a comparison."""
     done: dict[str, reading.Report] = {}
     absent: dict[str, str] = {}
@@ -79,17 +114,24 @@ def grade_all(options: Options, out: Path, kinds: list[str], strict: bool = Fals
         stem = spec.replace(":", "-")
         path = out / f"{stem}.jsonl.gz"
         try:
-            done[stem] = _grade(spec, options, path)
+            found_one = _grade(spec, options, path, resume)
         except KeyboardInterrupt:
             stop(Exit.STOPPED, _stopped(path))
+        except Busy as error:
+            stop(Exit.WRONG_USE, str(error))
+        except NotResumed:
+            continue  # It was judged to its end, or not begun.
         except AdapterError as error:
             absent[spec] = str(error)
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
         except NothingToRun:
             continue  # What was asked for is not of its kinds.
-        reports.write(done[stem], out, stem, kinds)
-        say(escape(headline(done[stem])))
+        reports.write(found_one, out, place_of(path, found_one).name.split(".")[0], kinds)
+        if _status(found_one, path, strict) is Exit.STOPPED:
+            raise typer.Exit(Exit.STOPPED)
+        done[stem] = found_one
+        say(escape(headline(found_one)))
     if not done:
         stop(Exit.NOT_STARTED if absent else Exit.NO_EVIDENCE, "no implementation was graded")
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]

@@ -44,19 +44,24 @@ def open_text(path: Path, mode: str) -> Iterator[TextIO]:
 
 def write_line(file: TextIO, record: Mapping[str, Any]) -> JSON:
     """The record as written: one more line of the file."""
-    plain: JSON = _plain(record)
-    file.write(json.dumps(plain, separators=(",", ":"), allow_nan=False) + "\n")
-    return plain
+    made: JSON = plain(record)
+    file.write(line_of(made))
+    return made
 
 
-def _plain(value: Any) -> Any:
+def line_of(record: Mapping[str, Any]) -> str:
+    """The record as a line."""
+    return json.dumps(plain(record), separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def plain(value: Any) -> Any:
     """The value with NumPy's types made Python's, and numbers that are not finite made text."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset | np.ndarray):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return plain(value.item())
     if isinstance(value, float) and not np.isfinite(value):
         return str(value)
     return value
@@ -75,12 +80,12 @@ def lines(path: Path) -> Iterator[JSON]:
     try:
         with open_text(path, "r") as file:
             for number, line in enumerate(file, 1):
-                yield _checked(line, f"{path}:{number}")
+                yield checked(line, f"{path}:{number}")
     except (OSError, UnicodeDecodeError, EOFError) as error:
         raise ReportError(f"{path} cannot be read: {error}") from error
 
 
-def _checked(line: str, place: str) -> JSON:
+def checked(line: str, place: str) -> JSON:
     """The record on a line."""
     try:
         record: JSON = parse(line)

@@ -239,8 +239,18 @@ class Report:
 
     @property
     def partial(self) -> bool:
-        """The run was of a part of the claims or cases."""
-        return bool(self.header["only"])
+        """The run was of a part of the claims or cases, or stopped before the end."""
+        return bool(self.header["only"] or self.stopped)
+
+    @property
+    def stopped(self) -> JSON | None:
+        """Why the run stopped before the end, and how many cases are left; None for a whole run."""
+        return None if self.footer is None else self.footer.get("stopped")
+
+    @property
+    def plan(self) -> int:
+        """The version of the plan; 0 for reports from before versions were kept."""
+        return int(self.header.get("plan", 0))
 
     @cached_property
     def summaries(self) -> dict[str, Summary]:

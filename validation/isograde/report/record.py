@@ -213,17 +213,26 @@ class Tally:
             self.verdicts[finding.verdict.value] += 1
             self.judge_faults += finding.detail.startswith(JUDGE_FAULT)
 
+    def add_record(self, result: JSON) -> None:
+        """Count one case by its line."""
+        self.cases += 1
+        self.calls += result["calls"]
+        self.verdicts[Verdict.PASS.value] += len(result["passed"])
+        for finding in result["findings"]:
+            self.verdicts[finding["verdict"]] += 1
+            self.judge_faults += finding["detail"].startswith(JUDGE_FAULT)
+
     def footer(self, seconds: float, report: Report) -> JSON:
         """The last line of the report that the lines before it make."""
         from isograde.report.headline import headline
 
-        whole = not report.header["only"]
+        whole = not report.partial
         return {
             "record": "footer",
             "cases": self.cases,
             "calls": self.calls,
             "judge_faults": self.judge_faults,
-            "verdicts": dict(sorted(self.verdicts.items())),
+            "verdicts": {name: n for name, n in sorted(self.verdicts.items()) if n},
             # A run of a part of the cases reaches no level.
             "reached": report.reached,
             "with_ties": report.with_ties,
@@ -232,6 +241,14 @@ class Tally:
             "checksum": checksum(report),
             "seconds": round(seconds, 3),
         }
+
+
+def tally_of(report: Report) -> Tally:
+    """What is counted in a report that has its results."""
+    tally = Tally()
+    for result in report.results:
+        tally.add_record(result)
+    return tally
 
 
 def checksum(report: Report) -> str:

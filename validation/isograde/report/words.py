@@ -28,6 +28,8 @@ def reached(report: Report) -> str:
     """
     if report.footer is None:
         return "cut off"
+    if report.stopped is not None:
+        return "stopped before the end"
     if report.partial:
         return "part of the cases"
     if report.reached is None:
@@ -50,6 +52,17 @@ def verdict(report: Report) -> str:
     """What the run says of the promises, in a sentence or two."""
     if report.footer is None:
         return "The report was cut off: it has no footer. What follows is what there is."
+    if report.stopped is not None:
+        why, left = report.stopped["why"], report.stopped["left"]
+        return (
+            f"The run stopped before the end ({why}): {left:,} cases were not judged, so no level "
+            f"is reached. Of {len(report.results):,} cases: {_kept(report)}"
+        )
+    return _kept(report)
+
+
+def _kept(report: Report) -> str:
+    """What is said of the promises by what was judged."""
     level = report.declaration["level"]
     promise = f"It promises level {min(level, report.top)} ({LEVELS[min(level, report.top)][0]})."
     n = len(report.broken)
