@@ -391,7 +391,9 @@ def test_a_run_that_is_stopped_leaves_the_last_report_as_it_was(
     assert result.exit_code == 130
     assert "unfinished-report.jsonl" in result.output
     after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert after.pop("unfinished-report.jsonl").count(b'"record":"result"') == 4
+    for name in ("unfinished-report.jsonl", "interrupted-report.jsonl"):
+        assert after.pop(name).count(b'"record":"result"') == 4
+    assert b"stopped before the end (interrupted)" in after.pop("interrupted-report.md")
     assert after == before
 
 

@@ -16,7 +16,7 @@ from isograde.report.page import page
 from isograde.report.picture import picture
 from isograde.report.reading import Report
 from isograde.report.snippet import snippet
-from isograde.runner import Evidence, Judged, Worker, claims_for
+from isograde.runner import Evidence, Judged, Options, Worker, claims_for
 from isoref.field import Field
 from isoref.methods import METHODS
 
@@ -27,7 +27,6 @@ POINTS = Kind(2, 2)
 FLAT = Kind(4, 1)
 BEYOND = Kind(4, 2)
 BROKEN = """
-from isograde.runner import Evidence, Judged, Worker, claims_for
 from isoref.field import Field
 from isoref.methods import METHODS
 from isoref.simplicial import extract
@@ -188,8 +187,8 @@ def test_a_legal_answer_satisfies_every_level_that_is_claimed(
     judged = Judged(case.id, case.kind, {}, evidence=Evidence(field, case.isovalues, {}))
     mesh = METHODS[method](field, case.isovalues[0])
     answer = Outcome(Status.OK, mesh.vertices, mesh.simplices)
-    writer = grading.Writer(io.StringIO(), worker)
-    assert writer._right("topology.manifold", judged, answer) is right
+    legal = grading.Legal(worker, Options())
+    assert legal._right("topology.manifold", judged, answer) is right
 
 
 @pytest.mark.parametrize("kind", [CONTOURS, SURFACES, CURVES])
