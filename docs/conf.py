@@ -33,6 +33,8 @@ CHAPTERS = {
         "label_cubes",
         "marching_tetrahedra",
         "attributes",
+        "capping",
+        "degenerate",
     ),
     "Where two isosurfaces meet": (
         "curves",

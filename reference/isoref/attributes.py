@@ -191,6 +191,46 @@ def cells_of_samples(absent: ArrayLike) -> Booleans:
     return marked
 
 
+def filled(samples: ArrayLike, absent: bool | ArrayLike = True) -> tuple[Array, Booleans]:
+    """The samples with a number in place of each absent one, and which are absent.
+
+    Parameters
+    ----------
+    samples : numbers, in a masked array or any other
+    absent : True for samples that are not finite, or masked; or booleans of the samples' shape,
+        True for those that are absent too
+
+    Which number stands in for an absent sample does not matter once `without_cells` has left out
+    every cell that it is a corner of.
+
+    Raises
+    ------
+    FieldError
+        for booleans of another shape.
+
+    >>> filled([1.0, np.nan, 3.0])
+    (array([1., 1., 3.]), array([False,  True, False]))
+    """
+    given = np.ma.getdata(samples) if isinstance(samples, np.ma.MaskedArray) else samples
+    numbers = np.asarray(given)
+    gone = np.ma.getmaskarray(samples) if isinstance(samples, np.ma.MaskedArray) else None
+    gone = np.zeros(numbers.shape, np.bool_) if gone is None else gone.copy()
+    if numbers.dtype.kind == "f":
+        gone |= ~np.isfinite(numbers)
+    marked = np.asarray(absent)
+    if marked.ndim:
+        if marked.shape != numbers.shape:
+            raise FieldError(
+                f"absent has shape {marked.shape}, and the samples have {numbers.shape}"
+            )
+        gone |= marked.astype(np.bool_)
+    if not gone.any():
+        return numbers, gone
+    present = numbers[~gone]
+    stand_in = present[:1] if len(present) else np.zeros(1, numbers.dtype)
+    return np.where(gone, stand_in, numbers), gone
+
+
 def regions(mesh: Mesh) -> Integers:
     """(S,) the number of the region each simplex belongs to, 0 the one of most simplices.
 

@@ -32,7 +32,7 @@ import numpy as np
 
 from isoref import marching_vesta
 from isoref.fast.sweep import sweep
-from isoref.field import Field, check_isovalue, inside_samples
+from isoref.field import Field, FieldError, check_isovalue, inside_samples
 from isoref.mesh import Mesh
 
 RULE = marching_vesta.rule("disconnect", "L")
@@ -46,6 +46,27 @@ def labels(field: Field, isovalue: float) -> Field:
     """
     inside = inside_samples(field, check_isovalue(isovalue))
     return field.with_values(np.where(inside, 1, -1).astype(np.int8))
+
+
+def one_label(field: Field, number: float) -> Field:
+    """The field of one of many labels: 1 where a sample is this number, -1 elsewhere.
+
+    Raises
+    ------
+    FieldError
+        where no sample is, with the numbers that there are.
+
+    >>> one_label(Field.of([0, 3, 5]), 3).values.tolist()
+    [-1, 1, -1]
+    """
+    there = field.values == number
+    if not there.any():
+        known = np.unique(field.values)
+        listed = ", ".join(f"{label:g}" for label in known[:20]) + (
+            ", .." if len(known) > 20 else ""
+        )
+        raise FieldError(f"no sample has the label {number:g}; there are {listed}")
+    return field.with_values(np.where(there, 1, -1).astype(np.int8))
 
 
 def surface(field: Field, isovalue: float, provenance: bool = False) -> Mesh:

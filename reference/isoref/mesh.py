@@ -143,9 +143,8 @@ class Mesh:
         dtype('float32')
         """
         real, whole = number_types(precision, len(self.vertices))
-        return replace(
-            self, vertices=self.vertices.astype(real), simplices=self.simplices.astype(whole)
-        )
+        vertices = self.vertices.astype(real, copy=False)
+        return replace(self, vertices=vertices, simplices=self.simplices.astype(whole, copy=False))
 
     def placed(self, field: Field) -> Mesh:
         """The mesh of ``field.straight()`` where the field stands in space.

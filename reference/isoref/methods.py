@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
+from typing import Protocol, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from isoref import (
@@ -23,12 +24,14 @@ from isoref import (
     surface_nets,
     trilinear_cubes,
 )
+from isoref.attributes import cells_of_samples, filled, without_cells
+from isoref.capping import capped
 from isoref.dual import DualRule
 from isoref.fast import dual
 from isoref.fast import marching_tetrahedra as tetrahedra
 from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
-from isoref.field import Field, check_isovalue
+from isoref.field import Booleans, Field, check_isovalue
 from isoref.marching_tetrahedra import Split
 from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
@@ -92,27 +95,97 @@ def _simplicial(field: Field, isovalue: float, *, provenance: bool = False) -> M
 METHODS |= {"simplicial": _simplicial}
 
 
+def surface(
+    field: Field,
+    isovalue: float,
+    method: str = "asymptotic-decider",
+    *,
+    precision: Precision = "double",
+    cap: bool = False,
+    absent: Booleans | None = None,
+    provenance: bool = False,
+) -> Mesh:
+    """The isosurface of a field, by the method of this name; parameters are those of `extract`.
+
+    `absent` marks samples (N1, N2, N3) whose numbers do not count, as `attributes.filled` gives it.
+    """
+    if method not in METHODS:
+        raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
+    number_types(precision)
+    traced = provenance or absent is not None
+    if cap:
+        mesh = capped(METHODS[method], field, isovalue, traced)
+    elif method in RULES:
+        mesh = sweep(RULES[method], field, isovalue, precision, traced)
+    else:
+        mesh = METHODS[method](field, isovalue, provenance=traced)
+    if absent is not None:
+        mesh = without_cells(mesh, cells_of_samples(absent))
+    if traced and not provenance:
+        mesh = Mesh(mesh.vertices, mesh.simplices)
+    return mesh.in_precision(precision)
+
+
+@overload
 def extract(
     values: ArrayLike,
     isovalue: float,
+    spacing: float | Sequence[float] | None = ...,
+    origin: Sequence[float] | None = ...,
+    method: str = ...,
+    precision: Precision = ...,
+    *,
+    directions: ArrayLike | None = ...,
+    cap: bool = ...,
+    absent: bool | ArrayLike = ...,
+    provenance: bool = ...,
+) -> Mesh: ...
+
+
+@overload
+def extract(
+    values: ArrayLike,
+    isovalue: Sequence[float],
+    spacing: float | Sequence[float] | None = ...,
+    origin: Sequence[float] | None = ...,
+    method: str = ...,
+    precision: Precision = ...,
+    *,
+    directions: ArrayLike | None = ...,
+    cap: bool = ...,
+    absent: bool | ArrayLike = ...,
+    provenance: bool = ...,
+) -> list[Mesh]: ...
+
+
+def extract(
+    values: ArrayLike,
+    isovalue: float | Sequence[float],
     spacing: float | Sequence[float] | None = None,
     origin: Sequence[float] | None = None,
     method: str = "asymptotic-decider",
     precision: Precision = "double",
     *,
     directions: ArrayLike | None = None,
+    cap: bool = False,
+    absent: bool | ArrayLike = False,
     provenance: bool = False,
-) -> Mesh:
-    """The isosurface of an array, by the method of this name.
+) -> Mesh | list[Mesh]:
+    """The isosurface of an array, by the method of this name; one for each of several isovalues.
 
     Parameters
     ----------
     values : (N1, N2, N3) real numbers; a `numpy.memmap` is read plane by plane by cube rules
-    isovalue : in the unit of the values
+    isovalue : in the unit of the values; several give a list of meshes
     spacing, origin, directions : of the lattice, as of `Field.of`
     method : a name of `METHODS`
     precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
         libraries give, in half the memory
+    cap : close the surface on the border of the volume (`isoref.capping`)
+    absent : samples that do not count: True for those that are not finite, or masked in a masked
+        array; or (N1, N2, N3) booleans, True where a sample is absent. No surface is drawn in a
+        cell with an absent corner, and it has a boundary there. By default such samples are an
+        error
     provenance : also say of each vertex on which edge it lies, and of each triangle in which cell
         (`isoref.mesh.Provenance`); what can be made of it is in `isoref.attributes`
 
@@ -125,12 +198,18 @@ def extract(
 
     >>> extract([[[1, 0], [0, 0]], [[0, 0], [0, 0]]], 0.5)
     Mesh(3 vertices in R^3, 1 simplices of dimension 2)
+    >>> extract([[[1, 0], [0, 0]], [[0, 0], [0, 0]]], [0.5, 2])
+    [Mesh(3 vertices in R^3, 1 simplices of dimension 2), Mesh(0 vertices in R^3, 0 simplices of \
+dimension 2)]
     """
-    if method not in METHODS:
-        raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
-    number_types(precision)
-    field = Field.of(values, spacing, origin, directions=directions)
-    if method in RULES:
-        return sweep(RULES[method], field, isovalue, precision, provenance)
-    mesh = METHODS[method](field, isovalue, provenance=provenance)
-    return mesh if precision == "double" else mesh.in_precision(precision)
+    samples, gone = (values, None) if absent is False else filled(values, absent)
+    field = Field.of(samples, spacing, origin, directions=directions)
+
+    def at(level: float) -> Mesh:
+        return surface(
+            field, level, method, precision=precision, cap=cap, absent=gone, provenance=provenance
+        )
+
+    if isinstance(isovalue, Sequence | np.ndarray) and not isinstance(isovalue, str):
+        return [at(level) for level in isovalue]
+    return at(isovalue)

@@ -130,6 +130,10 @@ def test_a_file_that_is_no_report_is_refused(tmp_path: Path) -> None:
         (("extract", "absent.npy", "--isovalue", "1"), 2, "absent.npy is not a file"),
         (("extract", "a.npy", "--isovalue", "1", "--method", "asymtotic"), 2, "did you mean"),
         (("extract", "a.npy", "--isovalue", "1", "-o", "a.xyz"), 2, "ends in none of"),
+        (("extract", "a.npy"), 2, "--isovalue VALUE, or --label NUMBER"),
+        (("extract", "a.npy", "--isovalue", "1", "--label", "1"), 2, "say which surface"),
+        (("extract", "a.raw", "--isovalue", "1", "--shape", "4,4"), 2, "not three positive"),
+        (("extract", "a.raw", "--isovalue", "1", "--type", "int7"), 2, "no type of real numbers"),
     ],
 )
 def test_wrong_use_is_told_with_its_status(
@@ -246,6 +250,72 @@ def test_extract_writes_a_mesh_that_reads_back(ending: str, tmp_path: Path) -> N
     assert mesh.is_watertight
     assert mesh.volume > 0
     assert {path.name for path in tmp_path.iterdir()} == {"ball.npy", out.name}
+
+
+def extracted(tmp_path: Path, *arguments: str | Path) -> tuple[str, dict[str, trimesh.Trimesh]]:
+    """What `isograde extract` says of a labelled, oblique scan with a hole, and its meshes."""
+    nibabel = pytest.importorskip("nibabel")
+    values = np.zeros((9, 10, 11), np.float32)
+    values[1:4, 2:8, 2:8], values[4:8, 2:8, 2:11] = 3, 7
+    affine = np.array([[0, -2.0, 0, 5], [0.6, 0, 0.8, 6], [-0.8, 0, 0.6, 7], [0, 0, 0, 1]])
+    nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / "whole.nii.gz")
+    values[0, 0, 0] = np.nan
+    nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / "holed.nii.gz")
+    result = run("extract", *arguments, "-o", tmp_path / "out.npz")
+    assert result.exit_code == 0, result.output
+    meshes = {}
+    for path in sorted(tmp_path.glob("out*.npz")):
+        with np.load(path) as arrays:
+            meshes[path.stem] = trimesh.Trimesh(arrays["vertices"], arrays["faces"], process=False)
+    return result.output, meshes
+
+
+def test_extract_makes_one_file_for_each_label(tmp_path: Path) -> None:
+    """The third label stands where its voxels stand, half a voxel larger, outside outwards."""
+    told, meshes = extracted(tmp_path, tmp_path / "whole.nii.gz", "--label", "3", "--label", "7")
+    assert "in RAS coordinates" in told
+    assert list(meshes) == ["out-3", "out-7"]
+    third = meshes["out-3"]
+    assert third.is_watertight
+    assert third.volume > 0
+    # x = 5 - 2 j, and j runs from 1.5 to 7.5.
+    assert np.allclose([third.vertices[:, 0].min(), third.vertices[:, 0].max()], [-10, 2])
+    refused = run("extract", tmp_path / "whole.nii.gz", "--label", "4")
+    assert refused.exit_code == 2
+    assert "no sample has the label 4; there are 0, 3, 7" in refused.output
+
+
+def test_extract_caps_what_runs_out_of_the_volume(tmp_path: Path) -> None:
+    """The seventh label reaches the last samples, where the cap closes it; LPS mirrors x and y."""
+    scan = tmp_path / "whole.nii.gz"
+    _, plain = extracted(tmp_path, scan, "--label", "7")
+    _, ras = extracted(tmp_path, scan, "--label", "7", "--cap")
+    told, lps = extracted(tmp_path, scan, "--label", "7", "--cap", "--space", "LPS")
+    assert "in LPS coordinates" in told
+    assert not plain["out"].is_watertight
+    assert ras["out"].is_watertight
+    assert np.allclose(lps["out"].vertices, ras["out"].vertices * [-1, -1, 1])
+    assert lps["out"].volume == pytest.approx(ras["out"].volume)
+
+
+def test_extract_leaves_out_absent_samples_when_asked(tmp_path: Path) -> None:
+    """Without the word, a sample that is no number is an error that names the word."""
+    told, meshes = extracted(
+        tmp_path, tmp_path / "holed.nii.gz", "--isovalue", "3", "--absent", "--clean"
+    )
+    assert "1 samples of 990 are absent" in told
+    assert "triangles without area" in told
+    assert len(meshes["out"].faces) > 100
+    refused = run("extract", tmp_path / "holed.nii.gz", "--isovalue", "3")
+    assert refused.exit_code == 2
+    assert "sample (0, 0, 0) is nan" in refused.output
+    assert "--absent leaves them out" in refused.output
+
+
+def test_extract_says_why_there_is_no_surface(tmp_path: Path) -> None:
+    """With the range of the samples."""
+    told, _ = extracted(tmp_path, tmp_path / "whole.nii.gz", "--isovalue", "30")
+    assert "no surface at 30: samples lie between 0 and 7" in told
 
 
 def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> None:

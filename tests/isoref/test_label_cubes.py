@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from isoref.field import Field, FieldError
-from isoref.label_cubes import surface
+from isoref.label_cubes import one_label, surface
 from isoref.methods import METHODS
 
 from tests.isoref.counting import edges, fans
@@ -46,3 +46,16 @@ def test_it_is_in_the_catalogue_and_refuses_what_is_no_volume() -> None:
         surface(Field.of(np.zeros((3, 3))), 0)
     with pytest.raises(FieldError, match="not finite"):
         surface(Field.of(np.zeros((3, 3, 3))), float("inf"))
+
+
+def test_one_label_of_many_is_inside() -> None:
+    """And it is closed from its neighbours by a surface of its own."""
+    values = np.zeros((6, 6, 6), np.uint16)
+    values[1:3, 1:3, 1:3], values[3:5, 1:3, 1:3] = 3, 7
+    field = one_label(Field.of(values, 2.0), 3)
+    assert np.array_equal(field.values > 0, values == 3)
+    mesh = METHODS["label-cubes"](field, 0.0)
+    assert mesh.vertices.min() == 1.0
+    assert mesh.vertices[:, 0].max() == 5.0
+    with pytest.raises(FieldError, match="no sample has the label 4; there are 0, 3, 7"):
+        one_label(Field.of(values), 4)

@@ -1,5 +1,7 @@
 """The catalogue: one call for every method, in either precision."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from isoref import (
@@ -41,7 +43,7 @@ def test_an_unknown_method_or_precision_is_named() -> None:
         extract(np.zeros((2, 2, 2)), 0, method="cubes")
     for method in ("asymptotic-decider", "simplicial"):
         with pytest.raises(FieldError, match="precision 'half'"):
-            extract(np.zeros((2, 2, 2)), 0, method=method, precision="half")  # type: ignore[arg-type]
+            extract(np.zeros((2, 2, 2)), 0, method=method, precision="half")  # type: ignore[call-overload]
 
 
 def test_rules_are_in_the_catalogue_under_their_names() -> None:
@@ -112,3 +114,64 @@ def test_what_works_on_straight_lattices_alone_says_so() -> None:
     ):
         with pytest.raises(FieldError, match="straight lattices alone"):
             refuses()
+
+
+def test_several_isovalues_give_a_mesh_each() -> None:
+    """In their order, as one by one."""
+    values = np.random.default_rng(3).normal(size=(5, 6, 7))
+    levels: Sequence[float]
+    for levels in ([0.1, -0.5, 9.0], (0.1,), tuple(np.array([0.1, 0.2]))):
+        meshes = extract(values, levels)
+        assert len(meshes) == len(levels)
+        for mesh, level in zip(meshes, levels, strict=True):
+            assert np.array_equal(mesh.vertices, extract(values, float(level)).vertices)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_absent_samples_are_absent_cells(method: str) -> None:
+    """Not a number, masked, or named: the surface is that of the cells that have all their samples.
+
+    Whatever stands in for them: another number gives the same mesh.
+    """
+    values = np.random.default_rng(3).normal(size=(6, 7, 8))
+    gone = np.random.default_rng(4).random(values.shape) < 0.03
+    gone[2, 3, 4] = True
+    holed = np.where(gone, np.nan, values)
+    with pytest.raises(FieldError, match="is nan"):
+        extract(holed, 0.1, method=method)
+    mesh = extract(holed, 0.1, method=method, absent=True)
+    assert 50 < len(mesh.simplices) < len(extract(values, 0.1, method=method).simplices)
+    assert mesh.provenance is None
+    for same in (
+        extract(np.ma.masked_array(values, gone), 0.1, method=method, absent=True),
+        extract(np.where(gone, np.inf, values), 0.1, method=method, absent=gone),
+        extract(values, 0.1, method=method, absent=gone),
+    ):
+        a, b = mesh.canonical(), same.canonical()
+        if "dual" not in method:  # a pair of cells that turn may have one absent
+            assert np.array_equal(a.vertices, b.vertices)
+            assert np.array_equal(a.simplices, b.simplices)
+    kept = extract(holed, 0.1, method=method, absent=True, provenance=True)
+    index = kept.traced().field.index(kept.vertices)[kept.simplices].mean(axis=1)
+    cells = np.floor(index).astype(int)
+    corners = cells[:, None] + np.moveaxis(np.indices((2, 2, 2)), 0, -1).reshape(-1, 3)
+    if (kept.traced().cells >= 0).all():
+        flat = np.abs(index - np.round(index)).min(axis=1) < 1e-9
+        assert not gone[tuple(np.moveaxis(corners[~flat], -1, 0))].any()
+
+
+def test_nothing_present_is_nothing_drawn() -> None:
+    """And a mask of another shape is refused."""
+    holes = np.full((3, 3, 3), np.nan)
+    assert len(extract(holes, 0.0, absent=True).simplices) == 0
+    with pytest.raises(FieldError, match=r"absent has shape \(2, 2, 2\)"):
+        extract(np.zeros((3, 3, 3)), 0.0, absent=np.zeros((2, 2, 2), bool))
+
+
+def test_a_cap_and_absent_cells_go_together() -> None:
+    """Closed on the border of the volume, open where cells are absent."""
+    values = np.ones((5, 5, 5))
+    values[4, 4, 4] = np.nan
+    mesh = extract(values, 0.5, cap=True, absent=True)
+    whole = extract(np.ones((5, 5, 5)), 0.5, cap=True)
+    assert len(whole.simplices) - len(mesh.simplices) == 3 * 2

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from isoref.field import Field
+from isoref.label_cubes import one_label
 from isoref.mesh import Mesh
-from isoref.methods import METHODS
+from isoref.methods import METHODS, surface
 from numpy.typing import ArrayLike
 
 from isograde import checking, grading, progress
@@ -119,25 +120,30 @@ def _graded(one: Implementation | PathLike[str] | Grade, options: dict[str, Any]
 
 def extract(
     volume: ArrayLike | str | PathLike[str],
-    isovalue: float,
+    isovalue: float | None = None,
     *,
-    method: str = "asymptotic-decider",
+    label: float | None = None,
+    method: str | None = None,
     spacing: Sequence[float] | None = None,
     origin: Sequence[float] | None = None,
+    cap: bool = False,
 ) -> Mesh:
-    """The isosurface of a volume by one of the reference's methods.
+    """The isosurface of a volume by one of the reference's methods, where the volume stands.
 
     Parameters
     ----------
     volume : samples (N1, N2, N3), the path of a file, or the name of a known data set
     isovalue : a sample of at least this value is inside
-    method : a key of `isoref.METHODS`
+    label : in place of an isovalue: samples that are this number are inside
+    method : a key of `isoref.METHODS`; by default "asymptotic-decider", for labels "label-cubes"
     spacing, origin : of an array; a file has its own
+    cap : close the surface on the border of the volume
 
     Raises
     ------
     ValueError
-        for an unknown method, or samples that are no field.
+        for an unknown method, samples that are no field, a label that no sample has, or not one of
+        isovalue and label.
     VolumeError
         for a file that cannot be read, or a data set that is not here.
 
@@ -146,10 +152,17 @@ def extract(
     >>> extract(9 - (x * x).sum(axis=0), 0.0).simplices.shape
     (344, 3)
     """
-    if method not in METHODS:
+    if (isovalue is None) == (label is None):
+        raise ValueError("give an isovalue, or a label in its place")
+    if method is not None and method not in METHODS:
         raise ValueError(f"no method {method!r}; {close_to(method, METHODS)}")
     if not isinstance(volume, str | PathLike):
-        return METHODS[method](Field.of(volume, spacing, origin), isovalue)
-    if spacing is not None or origin is not None:
+        field = Field.of(volume, spacing, origin)
+    elif spacing is not None or origin is not None:
         raise ValueError("a file has its own spacing and origin")
-    return METHODS[method](stored_named(str(volume), Asked()).field, isovalue)
+    else:
+        field = stored_named(str(volume), Asked()).field
+    if label is not None:
+        return surface(one_label(field, label), 0.0, method or "label-cubes", cap=cap)
+    assert isovalue is not None
+    return surface(field, isovalue, method or "asymptotic-decider", cap=cap)

@@ -345,12 +345,29 @@ def extract(
     volume: Annotated[
         str, typer.Argument(metavar="VOLUME", help="A file, a DICOM folder, or a known data set.")
     ],
-    isovalue: Annotated[float, typer.Option(help="Value of the surface.")],
-    method: Annotated[str, typer.Option(help="A method of isoref.")] = "asymptotic-decider",
+    isovalue: Annotated[
+        list[float] | None, typer.Option(help="Value of the surface; several make several files.")
+    ] = None,
+    label: Annotated[
+        list[float] | None, typer.Option(help="In place of an isovalue: the samples that are this.")
+    ] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(help="Of isoref: asymptotic-decider unless said; for labels label-cubes."),
+    ] = None,
     out: Annotated[
         Path,
         typer.Option("-o", "--out", help="ply obj off stl glb 3mf vtp vtk vtu msh npz, ..."),
     ] = Path("mesh.ply"),
+    cap: Annotated[
+        bool, typer.Option("--cap", help="Close the surface on the border of the volume.")
+    ] = False,
+    absent: Annotated[
+        bool, typer.Option("--absent", help="NaN and infinity mean no sample, and are no error.")
+    ] = False,
+    clean: Annotated[
+        bool, typer.Option("--clean", help="Remove triangles without area, where it does no harm.")
+    ] = False,
     space: Annotated[
         Space | None, typer.Option(help="Write RAS or LPS; by default what the file is in.")
     ] = None,
@@ -371,8 +388,16 @@ def extract(
     """Extract an isosurface with the reference, where the volume stands, as a mesh file."""
     from isograde.commands import volumes
 
-    asked = volumes.asked(dataset, shape, dtype, spacing)
-    volumes.extract(volume, isovalue, method, out, asked, space.value if space else "")
+    wanted = volumes.Wanted(
+        tuple(isovalue or ()),
+        tuple(label or ()),
+        method,
+        cap,
+        absent,
+        clean,
+        space.value if space else None,
+    )
+    volumes.extract(volume, wanted, out, volumes.asked(dataset, shape, dtype, spacing))
 
 
 @app.command(name="prove")

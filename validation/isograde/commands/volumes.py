@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from isoref.field import Field, FieldError
-from isoref.methods import METHODS
+from isoref.attributes import filled
+from isoref.degenerate import without_degenerate
+from isoref.field import Booleans, Field, FieldError
+from isoref.label_cubes import one_label
+from isoref.mesh import Mesh
+from isoref.methods import METHODS, surface
 from rich.markup import escape
 
 from isograde.cases import volumes
@@ -20,25 +25,101 @@ from isograde.frequencies import frequencies as count
 Number = TypeVar("Number", int, float)
 
 
-def extract(volume: str, isovalue: float, method: str, out: Path, asked: Asked, space: str) -> None:
-    """The reference's surface of a volume is in the mesh file `out`, where the volume stands."""
-    if method not in METHODS:
-        stop(Exit.WRONG_USE, f"no method {method!r}; {close_to(method, METHODS)}")
-    if out.suffix.lower() not in MESH_FILES:
-        stop(Exit.WRONG_USE, f"{out} ends in none of {' '.join(MESH_FILES)}")
+@dataclass(frozen=True)
+class Wanted:
+    """Which surfaces are to be made of a volume, and how.
+
+    isovalues, labels : one surface each; of labels the samples that are that number are inside
+    method : of `isoref.METHODS`, or None for the usual one
+    cap : close them on the border of the volume
+    absent : samples that are not finite are no error: no surface is drawn beside them
+    clean : remove triangles without area, where that does no harm
+    space : RAS, LPS, or None for what the file is in
+    """
+
+    isovalues: tuple[float, ...]
+    labels: tuple[float, ...] = ()
+    method: str | None = None
+    cap: bool = False
+    absent: bool = False
+    clean: bool = False
+    space: str | None = None
+
+    @property
+    def drawn_by(self) -> str:
+        """The method: without another word, labels are drawn by the method that is for them."""
+        return self.method or ("label-cubes" if self.labels else "asymptotic-decider")
+
+
+def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
+    """The reference's surfaces of a volume are in mesh files, where the volume stands."""
+    _check(wanted, out)
     try:
-        stored = stored_named(volume, asked)
-        if space:
-            stored = stored.in_space(space)
-        mesh = METHODS[method](stored.field, isovalue)
-        write(mesh, out, stored.space)
+        stored = stored_named(volume, replace(asked, absent=wanted.absent))
+        if wanted.space:
+            stored = stored.in_space(wanted.space)
+        for note in stored.notes:
+            say(f"[dim]{escape(note)}[/]")
+        field, gone = _present(stored) if wanted.absent else (stored.field, None)
+        several = len(wanted.isovalues) + len(wanted.labels) > 1
+        for number, posed, level in _posed(field, wanted):
+            name = out.with_stem(f"{out.stem}-{number:g}") if several else out
+            mesh = surface(posed, level, wanted.drawn_by, cap=wanted.cap, absent=gone)
+            if wanted.clean:
+                mesh = _cleaned(mesh)
+            write(mesh, name, stored.space)
+            if not len(mesh.simplices):
+                say(_why_empty(field, number))
+            _tell(mesh, stored, name)
     except (VolumeError, FieldError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
-    for note in stored.notes:
-        say(f"[dim]{escape(note)}[/]")
-    if not len(mesh.simplices):
-        low, high = stored.field.values.min(), stored.field.values.max()
-        say(f"no surface at {isovalue:g}: samples lie between {low:g} and {high:g}")
+
+
+def _check(wanted: Wanted, out: Path) -> None:
+    """What is asked for can be made, or the command stops."""
+    if wanted.method is not None and wanted.method not in METHODS:
+        stop(Exit.WRONG_USE, f"no method {wanted.method!r}; {close_to(wanted.method, METHODS)}")
+    if out.suffix.lower() not in MESH_FILES:
+        stop(Exit.WRONG_USE, f"{out} ends in none of {' '.join(MESH_FILES)}")
+    if bool(wanted.isovalues) == bool(wanted.labels):
+        stop(Exit.WRONG_USE, "say which surface: --isovalue VALUE, or --label NUMBER for a label")
+
+
+def _present(stored: Stored) -> tuple[Field, Booleans]:
+    """The field with numbers for samples that are not finite, and which these are."""
+    samples, gone = filled(stored.values)
+    say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
+    return Field.of_affine(samples, stored.affine), gone
+
+
+def _posed(field: Field, wanted: Wanted) -> Iterator[tuple[float, Field, float]]:
+    """For each surface the number it was asked for by, its field and its isovalue."""
+    for isovalue in wanted.isovalues:
+        yield isovalue, field, isovalue
+    for label in wanted.labels:
+        yield label, one_label(field, label), 0.0
+
+
+def _cleaned(mesh: Mesh) -> Mesh:
+    """The mesh without degenerate triangles; what was done is said."""
+    removal = without_degenerate(mesh)
+    done = (
+        f"{removal.before.degenerate:,} triangles without area: {removal.collapsed:,} edges "
+        f"collapsed, {removal.flipped:,} flipped, {removal.vanished:,} pieces removed that were "
+        f"points; {removal.after.degenerate:,} stay, since the surface would be no manifold else"
+    )
+    say(f"[dim]{done}[/]")
+    return removal.mesh
+
+
+def _why_empty(field: Field, number: float) -> str:
+    """Why there is no surface."""
+    low, high = field.values.min(), field.values.max()
+    return f"no surface at {number:g}: samples lie between {low:g} and {high:g}"
+
+
+def _tell(mesh: Mesh, stored: Stored, out: Path) -> None:
+    """What was written, and in which coordinates."""
     say(
         f"{len(mesh.vertices):,} vertices, {len(mesh.simplices):,} triangles "
         f"{_where(stored)}: [bold]{escape(str(out))}[/]"

@@ -22,6 +22,7 @@ import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +39,8 @@ SPACES = {
     "ras": "RAS",
     "las": "LAS",
 }
-# Axis a of an array that counts x last runs along this axis of space.
-LAST_IS_X = np.eye(3)[::-1]
+# The columns of an affine for (x, y, z), in the order of an array that counts x last.
+LAST_IS_X = [2, 1, 0, 3]
 
 
 class VolumeError(RuntimeError):
@@ -54,27 +55,37 @@ class Asked:
     shape : of a raw file, (NX, NY, NZ) with x fastest
     dtype : of a raw file, as NumPy spells it
     spacing : in place of the file's, along x, y, z
+    absent : samples that are not finite are let in, for `isoref.attributes.filled`
     """
 
     dataset: str | None = None
     shape: tuple[int, int, int] | None = None
     dtype: str | None = None
     spacing: tuple[float, float, float] | None = None
+    absent: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stored:
-    """A scalar field as a file has it.
+    """A volume as a file has it.
 
+    values : (N1, N2, N3) samples, in the order of the library's axes
+    affine : (4, 4) from (index, 1) to (position, 1)
     space : "RAS", "LPS", or "" where the file does not say
     unit : of positions, or "" where the file does not say
     notes : what a user should know of how it was read
     """
 
-    field: Field
+    values: NDArray[Any]
+    affine: Floats
     space: str = ""
     unit: str = ""
     notes: tuple[str, ...] = ()
+
+    @cached_property
+    def field(self) -> Field:
+        """The field of it; a FieldError where samples are no finite real numbers."""
+        return Field.of_affine(self.values, self.affine)
 
     def in_space(self, space: str) -> Stored:
         """The same field with positions in the other of RAS and LPS: x and y are negated.
@@ -88,8 +99,8 @@ class Stored:
             return self
         if not self.space:
             raise VolumeError(f"the file names no coordinate system, so {space} cannot be made")
-        turned = _of_affine(self.field.values, np.diag([-1.0, -1, 1, 1]) @ self.field.affine)
-        return replace(self, field=turned, space=space)
+        turned = np.diag([-1.0, -1, 1, 1]) @ self.affine
+        return replace(self, affine=turned, space=space)
 
 
 def read(path: Path, asked: Asked | None = None) -> Stored:
@@ -107,12 +118,16 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
     reader = _reader_of(path)
     try:
         stored = reader(path, asked)
+        if asked.spacing is not None:
+            stored = replace(stored, affine=_respaced(stored.affine, asked.spacing))
+        if not asked.absent:
+            _ = stored.field
     except VolumeError:
         raise
     except Exception as error:
-        raise VolumeError(f"{path} cannot be read: {_in_one_line(error)}") from error
-    if asked.spacing is not None:
-        stored = replace(stored, field=_respaced(stored.field, asked.spacing))
+        said = _in_one_line(error)
+        hint = " (--absent leaves them out)" if said.endswith("that are not finite") else ""
+        raise VolumeError(f"{path} cannot be read: {said}{hint}") from error
     return stored
 
 
@@ -161,28 +176,41 @@ def native(values: Any) -> NDArray[Any]:
     return samples.astype(samples.dtype.newbyteorder("="), copy=False)
 
 
-def _of_affine(values: Any, affine: Any) -> Field:
-    """The field of samples and their affine; what NumPy cannot read as numbers is refused."""
+def _stored(
+    values: Any,
+    affine: Floats,
+    space: str = "",
+    unit: str = "",
+    notes: tuple[str, ...] = (),
+) -> Stored:
+    """The volume of these samples, in this machine's byte order; else a FieldError."""
     samples = native(values)
     if samples.ndim != 3:
         raise FieldError(f"an array of shape {samples.shape} is no volume, which has three axes")
-    return Field.of_affine(samples, affine)
+    return Stored(samples, np.asarray(affine, np.float64), space, unit, notes)
 
 
-def _counting_x_last(values: Any, spacing: Sequence[float], origin: Sequence[float]) -> Field:
-    """The field of an array (z, y, x), with spacing and origin along x, y, z."""
-    samples = native(values)
-    return Field.of(samples, spacing[::-1], origin, directions=LAST_IS_X, dimension=3)
+def _counting_x_first(spacing: Sequence[float] | None, origin: Sequence[float] | None) -> Floats:
+    """The affine of an array (x, y, z)."""
+    affine = np.diag([*np.broadcast_to(1.0 if spacing is None else spacing, 3), 1.0])
+    affine[:3, 3] = 0.0 if origin is None else origin
+    return affine
 
 
-def _respaced(field: Field, spacing: tuple[float, float, float]) -> Field:
-    """The field with other spacings along x, y, z, each given to the axis that runs along it."""
-    frame = np.eye(3) if field.directions is None else np.array(field.directions)
-    order = np.abs(frame).argmax(axis=1)
+def _counting_x_last(spacing: Sequence[float] = (1.0, 1.0, 1.0)) -> Floats:
+    """The affine of an array (z, y, x), with spacing along x, y, z."""
+    return _counting_x_first(spacing, None)[:, LAST_IS_X]
+
+
+def _respaced(affine: Floats, spacing: tuple[float, float, float]) -> Floats:
+    """Other spacings along x, y, z, each given to the axis of the array that runs along it."""
+    steps = np.linalg.norm(affine[:3, :3], axis=0)
+    order = np.abs(affine[:3, :3] / steps).argmax(axis=0)
     if sorted(order.tolist()) != [0, 1, 2]:
         raise VolumeError("axes run askew, so that no spacing along x, y, z can be given to them")
-    steps = [spacing[axis] for axis in order]
-    return Field.of(field.values, steps, field.origin, directions=frame)
+    respaced = affine.copy()
+    respaced[:3, :3] *= np.array(spacing)[order] / steps
+    return respaced
 
 
 def _one_of(names: Sequence[str], asked: str | None, what: str, option: str = "--dataset") -> str:
@@ -214,7 +242,7 @@ def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ..
 
 def _npy(path: Path, _: Asked) -> Stored:
     """A NumPy array; its axes are x, y, z."""
-    return Stored(Field.of(native(np.load(path, allow_pickle=False)), dimension=3))
+    return _stored(np.load(path, allow_pickle=False), np.eye(4))
 
 
 def _npz(path: Path, asked: Asked) -> Stored:
@@ -224,9 +252,11 @@ def _npz(path: Path, asked: Asked) -> Stored:
         if name not in archive:
             raise FieldError(f"it holds {sorted(archive)}, and no array named {name}")
         if "affine" in archive:
-            return Stored(_of_affine(archive[name], archive["affine"]))
-        place = {key: archive.get(key) for key in ("spacing", "origin", "directions")}
-        return Stored(Field.of(native(archive[name]), **place, dimension=3))
+            return _stored(archive[name], archive["affine"])
+        affine = _counting_x_first(archive.get("spacing"), archive.get("origin"))
+        if "directions" in archive:
+            affine[:3, :3] = np.asarray(archive["directions"]).T @ affine[:3, :3]
+        return _stored(archive[name], affine)
 
 
 def _raw(path: Path, asked: Asked) -> Stored:
@@ -245,7 +275,7 @@ def _raw(path: Path, asked: Asked) -> Stored:
             f"{dtype} are {expected:,} bytes"
         )
     values = np.fromfile(path, dtype).reshape(asked.shape[::-1])
-    return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)))
+    return _stored(values, _counting_x_last())
 
 
 # --- Scans ---------------------------------------------------------------------------------------
@@ -270,8 +300,8 @@ def _nifti(path: Path, _: Asked) -> Stored:
         int(image.header["qform_code"]) or int(image.header["sform_code"])
     ):
         zooms = [float(zoom) for zoom in image.header.get_zooms()[:3]]
-        return Stored(Field.of(native(values), zooms, dimension=3), "", unit, notes)
-    return Stored(_of_affine(values, image.affine), "RAS", unit, notes)
+        return _stored(values, _counting_x_first(zooms, None), "", unit, notes)
+    return _stored(values, image.affine, "RAS", unit, notes)
 
 
 def _nrrd(path: Path, _: Asked) -> Stored:
@@ -285,7 +315,7 @@ def _nrrd(path: Path, _: Asked) -> Stored:
             axes = [a for a in range(values.ndim) if spacings is None or not spacings[a] > 0]
             values, notes = _first_volume(values, axes or range(3, values.ndim))
             spacings = None if spacings is None else [s for s in spacings if s > 0]
-        return Stored(Field.of(native(values), spacings, dimension=3), notes=notes)
+        return _stored(values, _counting_x_first(spacings, None), notes=notes)
 
     # Axes without a direction count components or volumes.
     vectors = np.array([[np.nan] * 3 if row is None else row for row in rows], np.float64)
@@ -298,13 +328,20 @@ def _nrrd(path: Path, _: Asked) -> Stored:
     if space == "LAS":
         affine, space = np.diag([-1.0, 1, 1, 1]) @ affine, "RAS"
     unit = str((header.get("space units") or [""])[0])
-    return Stored(_of_affine(values, affine), space, unit, notes)
+    return _stored(values, affine, space, unit, notes)
 
 
 def _itk(path: Path, _: Asked) -> Stored:
     """What SimpleITK reads from one file."""
-    itk = library("SimpleITK")
+    itk = _itk_library()
     return _from_itk(itk, itk.ReadImage(str(path)))
+
+
+def _itk_library() -> Any:
+    """SimpleITK, told not to print what it also raises."""
+    itk = library("SimpleITK")
+    itk.ProcessObject.SetGlobalWarningDisplay(False)
+    return itk
 
 
 def _from_itk(itk: Any, image: Any, affine: Floats | None = None) -> Stored:
@@ -321,7 +358,7 @@ def _from_itk(itk: Any, image: Any, affine: Floats | None = None) -> Stored:
         directions = np.array(image.GetDirection()).reshape(n, n)[:3, :3]
         affine[:3, :3] = directions * np.array(image.GetSpacing())[:3]
         affine[:3, 3] = image.GetOrigin()[:3]
-    return Stored(_of_affine(values, affine[:, [2, 1, 0, 3]]), "LPS", "mm", notes)
+    return _stored(values, affine[:, LAST_IS_X], "LPS", "mm", notes)
 
 
 def _dicom_series(folder: Path, asked: Asked) -> Stored:
@@ -330,7 +367,7 @@ def _dicom_series(folder: Path, asked: Asked) -> Stored:
     The step from slice to slice is taken from the slices' positions: a tilted gantry makes it
     oblique to them, which an image of ITK cannot say.
     """
-    itk = library("SimpleITK")
+    itk = _itk_library()
     series = list(itk.ImageSeriesReader.GetGDCMSeriesIDs(str(folder)))
     if not series:
         raise VolumeError(f"{folder} is a folder in which there is no DICOM series")
@@ -379,9 +416,7 @@ def _vtk(path: Path, asked: Asked) -> Stored:
     first = list(grid.extent[::2])
     affine[:3, 3] = np.array(grid.origin) + affine[:3, :3] @ first
     notes = (f"the first of {len(names)} arrays, {name}, is taken",) if len(names) > 1 else ()
-    return Stored(
-        _of_affine(values, affine[:, [2, 1, 0, 3]]), notes=notes if asked.dataset is None else ()
-    )
+    return _stored(values, affine[:, LAST_IS_X], notes=() if asked.dataset else notes)
 
 
 # --- Microscopes ---------------------------------------------------------------------------------
@@ -399,7 +434,7 @@ def _tiff(path: Path, _: Asked) -> Stored:
         values, notes = _first_volume(values, others[: values.ndim - 3])
     else:
         notes = ()
-    return Stored(_counting_x_last(values, spacing, (0.0, 0.0, 0.0)), "", unit, notes)
+    return _stored(values, _counting_x_last(spacing), "", unit, notes)
 
 
 def _size_of_voxel(file: Any) -> tuple[list[float], str]:
@@ -436,9 +471,9 @@ def _hdf5(path: Path, asked: Asked) -> Stored:
         values, notes = _first_volume(data, range(data.ndim - 3))
         size = data.attrs.get("element_size_um")
     if size is None:
-        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+        return _stored(values, _counting_x_last(), notes=notes)
     steps = [float(s) for s in np.ravel(size)][::-1]
-    return Stored(_counting_x_last(values, steps, (0.0, 0.0, 0.0)), "", "µm", notes)
+    return _stored(values, _counting_x_last(steps), "", "µm", notes)
 
 
 def _zarr(path: Path, asked: Asked) -> Stored:
@@ -447,14 +482,14 @@ def _zarr(path: Path, asked: Asked) -> Stored:
     root = zarr.open(str(path), mode="r")
     if not hasattr(root, "attrs") or hasattr(root, "shape"):
         values, notes = _first_volume(root, range(root.ndim - 3))
-        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+        return _stored(values, _counting_x_last(), notes=notes)
     metadata = dict(root.attrs)
     scales = metadata.get("ome", metadata).get("multiscales")
     if not scales:
         names = [name for name, array in root.arrays() if array.ndim >= 3]
         name = _one_of(names, asked.dataset, "array of three axes")
         values, notes = _first_volume(root[name], range(root[name].ndim - 3))
-        return Stored(_counting_x_last(values, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), notes=notes)
+        return _stored(values, _counting_x_last(), notes=notes)
     return _ome(root, scales[0], asked)
 
 
@@ -487,7 +522,7 @@ def _ome(root: Any, image: Mapping[str, Any], asked: Asked) -> Stored:
     for a, axis in enumerate(spatial):
         along = "xyz".index(names[axis])
         affine[along, a], affine[along, 3] = scale[axis], shift[axis]
-    return Stored(_of_affine(values, affine), "", str(axes[spatial[0]].get("unit", "")), notes)
+    return _stored(values, affine, "", str(axes[spatial[0]].get("unit", "")), notes)
 
 
 Reader = Callable[[Path, Asked], Stored]
