@@ -94,6 +94,9 @@ def test_sides_follow_the_convention_on_ties() -> None:
         ({}, [[0, 1, 2], [0, 1, 2], [1, 2, 0]], "crowd", 3),
         ({}, [[0, 1, 1]], "flat", 3),
         ({}, [[0, 1, 1]], "unused", 1),
+        ({"vertex": 2}, [[0, 1, 2]], "ring", 1),
+        ({"simplex": 0}, [[0, 1, 2]], "sore-line", 3),
+        ({"cell": [0, 0, 0], "face": 1}, [[0, 1, 2]], "sore-line", 4),
     ],
 )
 def test_faults_are_marked(
@@ -109,6 +112,12 @@ def test_an_edge_of_one_triangle_inside_the_lattice_is_a_gap() -> None:
     vertices = [[0.5, 0.5, 0.0], [0.5, 0.5, 1.0], [0.2, 0.2, 0.5]]
     record["came"] = {**record["came"], "vertices": vertices}
     assert kinds(turned(record)) == ["gap"] * 3
+
+
+def test_a_loose_end_of_a_curve_is_a_spot() -> None:
+    record = evidence(isovalues=[0.5, 0.5], values=[1.0] * 16)
+    record["came"] = {"vertices": [[0.5, 0.5, 0.5], [0.5, 0.5, 0.0]], "simplices": [[0, 1]]}
+    assert kinds(turned(record)) == ["spot"]
 
 
 def test_numbers_that_json_lacks_are_text() -> None:
@@ -203,6 +212,20 @@ def test_pictures_turn_by_key_mouse_and_button_and_together(report: Report, tmp_
     assert not told["pressed"], "an arrow key would scroll the page"
     assert told["ignored"]
     assert told["still"] == "none"
+
+
+@pytest.mark.slow
+def test_each_case_turns_its_own_pictures(tmp_path: Path) -> None:
+    """One failure stands inside of another where it follows from it."""
+    figure = '<div class="pictures"><figure><svg></svg></figure></div><p class="key"></p>'
+    one, other = turned(evidence()), turned(evidence(isovalues=[-0.5]))
+    data = [json.dumps(made).replace("<", "\\u003c") for made in (one, other)]
+    script = '<script type="application/json" class="turned-case">{}</script>'
+    inner = f'<details class="follow" open>{figure}{script.format(data[1])}</details>'
+    text = _page_of(one, figure).replace("</script></div>", f"</script>{inner}</div>", 1)
+    counted = "return [...document.querySelectorAll('figure')].map((one) => [one.querySelectorAll("
+    counted += "'.live').length, one.querySelectorAll('.in').length]);"
+    assert found(text, counted, tmp_path) == [[1, 1], [1, 8]]
 
 
 @pytest.mark.slow

@@ -139,7 +139,7 @@ function begin(): void {
   addEventListener("hashchange", follow);
   follow();
   Object.assign(window, {
-    explorer: { tables, app, stage, ...decisions, ...cell, ...grid, ...trilinear, saddleJoins, segments, simplicialSection, made, read, written },
+    explorer: { START, tables, app, stage, ...decisions, ...cell, ...grid, ...trilinear, saddleJoins, segments, simplicialSection, made, read, written },
   });
 }
 

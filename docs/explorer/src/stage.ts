@@ -37,8 +37,8 @@ import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js
 import { element } from "./dom.ts";
 import { type Point } from "./tables.ts";
 
-/** From here no plane through three middles of a corner's edges is seen edge on. */
-export const START = { turn: -70, tilt: 17, zoom: 1 };
+/** From here no plane of a tile on even values is seen edge on. */
+export const START = { turn: -64, tilt: 15, zoom: 1 };
 const FIELD_OF_VIEW = 24;
 const MOST_PIXELS = 7e6;
 const RADIANS = Math.PI / 180;

@@ -253,20 +253,26 @@ def _arrow(view: View, start: Floats, end: Floats) -> Iterator[Part]:
 
 def _facets(view: View, scene: Scene) -> Iterator[Part]:
     """Facets of one simplex: red, or thin on the border; of more than two: violet."""
-    if scene.k < 1 or not len(scene.shown):
+    for kind, place in facet_marks(scene, scene.shown):
+        near = NEAR if kind == "crowd" else 0.05
+        if len(place) == 1:
+            yield dot(view, place[0], "crowd" if kind == "crowd" else "spot", 4, nearer=NEAR)
+        for a, b in combinations(place, 2):
+            yield line(view, a, b, kind, nearer=near)
+
+
+def facet_marks(scene: Scene, rows: Integers) -> Iterator[tuple[str, Floats]]:
+    """The facets of these simplices that only one simplex has, or more than two: kind and place."""
+    if scene.k < 1 or not len(rows):
         return
-    width = scene.k
-    shown = {facet for row in scene.shown.tolist() for facet in combinations(sorted(row), width)}
+    shown = {facet for row in rows.tolist() for facet in combinations(sorted(row), scene.k)}
     for facet, uses in facets_of(scene.simplices).items():
         place = scene.points[list(facet)]
         if facet not in shown or uses == 2:
             continue
         border = scene.on_border(place)
-        kind = "crowd" if uses > 2 else "rim" if border else "gap"
-        if width == 1 and not (border and uses == 1):
-            yield dot(view, place[0], "spot" if uses == 1 else "crowd", 4, nearer=NEAR)
-        for a, b in combinations(place, 2):
-            yield line(view, a, b, kind, nearer=NEAR if kind == "crowd" else 0.05)
+        if scene.k > 1 or uses > 2 or not border:
+            yield "crowd" if uses > 2 else "rim" if border else "gap", place
 
 
 def facets_of(rows: Integers) -> dict[tuple[int, ...], int]:
@@ -279,22 +285,40 @@ def facets_of(rows: Integers) -> dict[tuple[int, ...], int]:
 
 def _fault(view: View, scene: Scene) -> Iterator[Part]:
     """What the finding names: points, simplices, a cell, or a face of the lattice."""
+    for kind, points, nearer in fault_marks(scene):
+        if kind == "level":
+            flat, depth = view.place(points)
+            text = " ".join(f"{x:.1f},{y:.1f}" for x, y in flat)
+            svg = f'<polygon class="level" points="{text}"><title>flat in a face</title></polygon>'
+            yield Part(float(depth.max()) + nearer, svg)
+        elif len(points) == 1:
+            yield dot(view, points[0], kind, 9, nearer=nearer)
+        else:
+            yield line(view, points[0], points[1], kind, nearer=nearer)
+
+
+def fault_marks(scene: Scene) -> Iterator[tuple[str, Floats, float]]:
+    """What marks the fault: a kind, a point, two ends or a triangle, and how far it is lifted.
+
+    Kinds are the classes of the style sheet: ring, sore-line, level.
+    """
     for marked in _marked(scene):
         if len(marked) == 1:
-            yield dot(view, marked[0], "ring", 9, nearer=NEAR)
+            yield "ring", marked, NEAR
         for a, b in pairwise([*marked, marked[0]][: len(marked) + (len(marked) > 2)]):
-            yield line(view, a, b, "sore-line", nearer=2 * NEAR)
-    yield from _level(view, scene)
+            yield "sore-line", np.stack([a, b]), 2 * NEAR
+    for triangle in level_triangles(scene):
+        yield "level", triangle, NEAR / 4
     corners = points_of(scene.numbers.get("corners"), scene.n)
     for a, b in combinations(corners if corners is not None else (), 2):
-        yield line(view, a, b, "sore-line", nearer=0.02)
+        yield "sore-line", np.stack([a, b]), 0.02
     cell = points_of(scene.numbers.get("cell"), scene.n)
     if cell is not None:
-        yield from _block(view, *spanned(scene, cell[0]))
+        yield from _block(*spanned(scene, cell[0]))
     sample = points_of(scene.numbers.get("sample"), scene.n)
     if sample is not None:
         axes = scene.numbers.get("axes", scene.numbers.get("axis", []))
-        yield from _block(view, sample[0], [axes] if isinstance(axes, int) else list(axes))
+        yield from _block(sample[0], [axes] if isinstance(axes, int) else list(axes))
 
 
 def _marked(scene: Scene) -> Iterator[Floats]:
@@ -310,15 +334,6 @@ def _marked(scene: Scene) -> Iterator[Floats]:
         number = scene.numbers.get(name)
         if isinstance(number, int) and number < len(rows):
             yield scene.points[rows[number]].reshape(-1, scene.n)
-
-
-def _level(view: View, scene: Scene) -> Iterator[Part]:
-    """The triangles at the fault that lie flat in a face, tinted."""
-    for corners in level_triangles(scene):
-        flat, depth = view.place(corners)
-        text = " ".join(f"{x:.1f},{y:.1f}" for x, y in flat)
-        svg = f'<polygon class="level" points="{text}"><title>flat in a face</title></polygon>'
-        yield Part(float(depth.max()) + NEAR / 4, svg)
 
 
 def level_triangles(scene: Scene) -> Iterator[Floats]:
@@ -344,13 +359,13 @@ def spanned(scene: Scene, low: Floats) -> tuple[Floats, list[int]]:
     return low + np.eye(3)[axis] * (face % 2), [one for one in range(3) if one != axis]
 
 
-def _block(view: View, low: Floats, axes: list[int]) -> Iterator[Part]:
+def _block(low: Floats, axes: list[int]) -> Iterator[tuple[str, Floats, float]]:
     """The edges of the face of the lattice that begins at a sample and spans these axes."""
     unit = np.eye(len(low))
     if not axes:
-        yield dot(view, low, "ring", 9, nearer=NEAR)
+        yield "ring", low[None], NEAR
     for ends in product((0, 1), repeat=len(axes)):
         start = low + sum((end * unit[axis] for end, axis in zip(ends, axes, strict=True)), 0 * low)
         for end, axis in zip(ends, axes, strict=True):
             if not end:
-                yield line(view, start, start + unit[axis], "sore-line", nearer=0.02)
+                yield "sore-line", np.stack([start, start + unit[axis]]), 0.02

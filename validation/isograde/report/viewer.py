@@ -13,18 +13,18 @@ that a page of reports stays small::
     explorer                 the link that opens the case in the explorer, without the values,
                              or nothing where the explorer cannot show it
 
-A mark is a kind with one point or the two ends of a segment. Kinds are the classes of the static
-picture (gap, crowd, rim, ring, sore-line), and three more: `twice` a simplex that is there more
-than once, `flat` one without area, `unused` a vertex of no simplex.
+A mark is a kind with one point, the two ends of a segment or a triangle. Kinds are the classes of
+the static picture (gap, spot, crowd, rim, ring, sore-line, level), and three more: `twice` a
+simplex that is there more than once, `flat` one without area, `unused` a vertex of no simplex.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from importlib import resources
-from itertools import combinations, pairwise, product
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ import numpy as np
 from isoref.field import Floats, Integers
 
 from isograde.report.lines import JSON
-from isograde.report.picture import Scene, facets_of, level_triangles, points_of, spanned
+from isograde.report.picture import Scene, facet_marks, fault_marks
 
 # Keep so many simplices of an answer, and mark so many things of one kind.
 KEPT, MARKED = 300, 60
@@ -131,7 +131,7 @@ def _answer(caption: str, scene: Scene, accused: bool) -> JSON:
         "points": [round(x, DECIMALS) for x in points.ravel().tolist()],
         "rows": renumbered.reshape(rows.shape).tolist(),
         "left_out": len(scene.simplices) - len(rows),
-        "marks": _few([*_facets(scene, rows), *(_faults(scene, rows) if accused else ())]),
+        "marks": _few(_marks(scene, rows, accused)),
     }
 
 
@@ -140,15 +140,14 @@ def _nearest(scene: Scene) -> Integers:
     rows = scene.simplices[np.isfinite(scene.points[scene.simplices]).all(axis=(1, 2))]
     if len(rows) <= KEPT:
         return rows
-    named = _named(scene.numbers.get("first"), scene.n)
-    place = np.concatenate(named).mean(axis=0) if named else scene.fault
-    if place is None:
-        place = (np.asarray(scene.shape) - 1) / 2
+    marks = [points for _, points, _ in fault_marks(scene)]
+    middle = (np.asarray(scene.shape) - 1) / 2
+    place = np.concatenate(marks).mean(axis=0) if marks else middle
     away = np.abs(scene.points[rows].mean(axis=1) - place).max(axis=1)
     return rows[np.sort(np.argsort(away, kind="stable")[:KEPT])]
 
 
-def _few(marks: list[Mark]) -> list[Mark]:
+def _few(marks: Iterable[Mark]) -> list[Mark]:
     """The marks, at most `MARKED` of a kind, all numbers finite."""
     kept: list[Mark] = []
     count: Counter[str] = Counter()
@@ -159,35 +158,14 @@ def _few(marks: list[Mark]) -> list[Mark]:
     return kept
 
 
-def _facets(scene: Scene, rows: Integers) -> Iterator[Mark]:
-    """Facets of one simplex, inside the lattice or on its border, and of more than two."""
-    if scene.k < 1 or not len(rows):
-        return
-    kept = {facet for row in rows.tolist() for facet in combinations(sorted(row), scene.k)}
-    for facet, uses in facets_of(scene.simplices).items():
-        if facet not in kept or uses == 2:
-            continue
-        place = scene.points[list(facet)]
-        kind = "crowd" if uses > 2 else "rim" if scene.on_border(place) else "gap"
-        yield [kind, *place.ravel()]
-
-
-def _faults(scene: Scene, rows: Integers) -> Iterator[Mark]:
-    """What the finding names, and simplices and vertices that are never right."""
-    numbers: Mapping[str, Any] = scene.numbers
-    for name in ("first", "at"):
-        for marked in _named(numbers.get(name), scene.n):
-            yield from _outline("sore-line", marked)
-    cell = points_of(numbers.get("cell"), scene.n)
-    if cell is not None:
-        yield from _block(*spanned(scene, cell[0]))
-    for corners in level_triangles(scene):
-        yield from _outline("level", corners)
-    sample = points_of(numbers.get("sample"), scene.n)
-    if sample is not None:
-        axes = numbers.get("axes", numbers.get("axis", ()))
-        yield from _block(sample[0], [axes] if isinstance(axes, int) else axes)
-    yield from _never_right(scene, rows)
+def _marks(scene: Scene, rows: Integers, accused: bool) -> Iterator[Mark]:
+    """What the static picture marks; in what came also what is never right."""
+    for kind, place in facet_marks(scene, rows):
+        yield ["spot" if kind == "gap" and len(place) == 1 else kind, *place.ravel()]
+    if accused:
+        for kind, points, _ in fault_marks(scene):
+            yield [kind, *points.ravel()]
+        yield from _never_right(scene, rows)
 
 
 def _never_right(scene: Scene, rows: Integers) -> Iterator[Mark]:
@@ -208,31 +186,9 @@ def _never_right(scene: Scene, rows: Integers) -> Iterator[Mark]:
         yield ["unused", *scene.points[n]]
 
 
-def _named(value: Any, n: int) -> list[Floats]:
-    """What a number of a finding names: a point, a facet, a simplex, or several simplices."""
-    one = points_of(value, n)
-    if one is not None:
-        return [one]
-    several = [points_of(part, n) for part in value] if isinstance(value, list) else []
-    return [part for part in several if part is not None]
-
-
 def _outline(kind: str, points: Floats) -> Iterator[Mark]:
     """A point as a ring, two as a segment, more as a closed line."""
     if len(points) == 1:
         yield ["ring", *points[0]]
     for a, b in pairwise([*points, points[0]][: len(points) + (len(points) > 2)]):
         yield [kind, *a, *b]
-
-
-def _block(low: Floats, axes: Any) -> Iterator[Mark]:
-    """The edges of the lattice's face that begins at a sample and spans these axes."""
-    unit = np.eye(len(low))
-    axes = list(axes)
-    if not axes:
-        yield ["ring", *low]
-    for ends in product((0, 1), repeat=len(axes)):
-        start = low + sum((end * unit[axis] for end, axis in zip(ends, axes, strict=True)), 0 * low)
-        for end, axis in zip(ends, axes, strict=True):
-            if not end:
-                yield ["sore-line", *start, *(start + unit[axis])]

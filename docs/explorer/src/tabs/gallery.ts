@@ -67,7 +67,7 @@ export class GalleryTab implements Tab {
 
   constructor(private readonly app: App) {
     const { tables, sheet, side } = app;
-    this.rule = tables.rules.get(app.state.rules[0]) ?? [...tables.rules.values()][0];
+    this.rule = tables.rules.get("trilinear-cubes")!;
     const options = [...tables.rules.values()].map((rule) => [rule.name, rule.title] as const);
     side.append(
       element("section", {}, choice("Tiles of", options, this.rule.name, (name) => {
@@ -129,7 +129,7 @@ export class GalleryTab implements Tab {
       element("p", { class: "hint" }, "Nielson & Hamann's variant, Chernyaev's case, lengths of the cycles. Click for a cell in which it happens."),
       element("div", { class: "thumbs" }, ...thumbs),
     );
-    this.variants.scrollIntoView({ block: "nearest" });
+    this.app.side.scrollTop = this.variants.offsetTop - this.app.side.offsetTop;
   }
 
   private openCell(signs: number, decisions: number): void {

@@ -28,7 +28,7 @@ from the centre, times a scale. Parts are painted from far to near, by the depth
  * @property {number[]} points in index coordinates, all in one list
  * @property {number[][]} rows the simplices, by their points
  * @property {number} left_out how many simplices are not here
- * @property {[string, ...number[]][]} marks kinds, each with one point or two
+ * @property {[string, ...number[]][]} marks kinds, each with one point, two, or a triangle
  *
  * @typedef {object} Case
  * @property {string} name
@@ -58,7 +58,11 @@ const MARKS = {
   twice: ["triangle that is there twice", "triangles that are there twice"],
   flat: ["triangle without area", "triangles without area"],
   unused: ["vertex that no triangle uses", "vertices that no triangle uses"],
+  level: ["triangle that lies flat in a face", "triangles that lie flat in a face"],
+  spot: ["loose end", "loose ends"],
 };
+const CURVES = { ...MARKS, crowd: ["point of more than two segments", "points of more than two segments"],
+  unused: ["vertex that no segment uses", "vertices that no segment uses"] };
 
 // --- A field as source text ----------------------------------------------------------------------
 
@@ -257,8 +261,12 @@ const drawn = (one, answer, view, labels) => {
 
   // What is wrong, over the rest.
   for (const [kind, ...where] of answer.marks) {
-    const a = /** @type {Point} */ (where.slice(0, 3)), b = /** @type {Point} */ (where.slice(3));
-    if (where.length === 6) line(a, b, kind, kind === "rim" || kind === "block" ? 0.05 : NEAR);
+    const a = /** @type {Point} */ (where.slice(0, 3)), b = /** @type {Point} */ (where.slice(3, 6));
+    if (where.length === 9) {
+      const corners = [a, b, /** @type {Point} */ (where.slice(6))].map(place);
+      parts.push([Math.max(...corners.map((p) => p[2])) + NEAR / 4, `<polygon class="${kind}" points="` +
+        `${corners.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ")}"/>`]);
+    } else if (where.length === 6) line(a, b, kind, kind === "rim" ? 0.05 : NEAR);
     else disc(a, kind, kind === "ring" || kind === "unused" ? 9 : 4, NEAR);
   }
   return parts.sort((a, b) => a[0] - b[0]).map((part) => part[1]).join("");
@@ -275,7 +283,8 @@ const element = (tag, kind, text = "") => {
 };
 
 /** What is marked in an answer, in words. @param {Answer} answer */
-const counted = (answer) => Object.entries(MARKS).flatMap(([kind, words]) => {
+const counted = (answer) => 
+  Object.entries(answer.rows[0]?.length === 2 ? CURVES : MARKS).flatMap(([kind, words]) => {
   // A triangle is marked by its three edges.
   const edges = answer.marks.filter((mark) => mark[0] === kind).length;
   const count = kind === "twice" || kind === "flat" ? edges / 3 : edges;
@@ -286,7 +295,10 @@ const counted = (answer) => Object.entries(MARKS).flatMap(([kind, words]) => {
 const enliven = (script) => {
   /** @type {Case} */
   const one = JSON.parse(script.textContent ?? "");
-  const figures = [...(script.closest(".body")?.querySelectorAll(".pictures figure") ?? [])];
+  // The pictures stand before the data, with their key between.
+  let before = script.previousElementSibling;
+  while (before && !before.matches(".pictures, script")) before = before.previousElementSibling;
+  const figures = before?.matches(".pictures") ? before.querySelectorAll("figure") : [];
   const turns = one.shape.length === 3 && one.answers.length > 0;
   const samples = one.shape.reduce((product, n) => product * n, 1);
   const start = { ...START, zoom: 1, centre: middleOf(one) };
