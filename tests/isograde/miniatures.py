@@ -586,6 +586,14 @@ def without_touching(v: Floats, f: Integers) -> Answer:
     return v, f[~touches[f].any(axis=1)]
 
 
+def welded(v: Floats, f: Integers) -> Answer:
+    """Vertices at one place made one, and what collapses left out: sheets meet at tied samples."""
+    places, name = np.unique(v, axis=0, return_inverse=True)
+    faces = name.reshape(-1)[f]
+    kept = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    return places, faces[kept]
+
+
 def trilinear(values: Array, isovalue: float, spacing: tuple[float, ...]) -> Answer:
     """The reference with the topology of the trilinear interpolant: no plain twin is as short."""
     check(values, isovalue)
@@ -751,6 +759,7 @@ BROKEN = (
             "topology.sides",
         ),
     ),
+    Miniature("welded at ties", changed(welded), "topology.raw"),
     Miniature("missing tunnel", made(decide=asymptotic), "topology.trilinear", level=4),
     Miniature(
         "wrong face",

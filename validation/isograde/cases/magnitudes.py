@@ -8,6 +8,7 @@ Glossary
 --------
 small, large    noise of about 1e-7, and of about 1e7
 offset          smooth noise of about 1, or white noise, at an isovalue of 8192
+single          noise in single precision at an isovalue of 10,000, where it has ties
 mixed           samples of about 2 ** -6 to 2 ** 6 side by side; or from 2 ** -30 to 2 ** 30, where
                 nearly every crossing is at the end of its edge
 """
@@ -19,13 +20,13 @@ from functools import partial
 import numpy as np
 from isoref.field import Field
 
-from isograde.cases.frozen import STEP, integers
+from isograde.cases.frozen import STEP, integers, uniform
 from isograde.cases.noise import smooth, white
 from isograde.cases.shapes import gentle
 from isograde.model import Case
 
 SIZE = (6, 7, 6)
-OFFSET = 8192.0
+OFFSET, LEVEL = 8192.0, 10_000.0
 
 
 def scaled(name: str, seed: int, factor: float) -> Field:
@@ -42,6 +43,12 @@ def lifted_smooth(name: str, seed: int) -> Field:
     """Smooth noise rounded to odd multiples of the step, lifted."""
     values = smooth(name, seed, (10, 9, 11), 1).values
     return Field.of((2 * np.floor(values / (2 * STEP)) + 1) * STEP + OFFSET)
+
+
+def single(name: str, seed: int) -> Field:
+    """White noise at 10,000, rounded to single precision: one sample in a thousand ties."""
+    noise = uniform(name, seed, (12, 12, 12)) - 0.5
+    return Field.of((LEVEL + 2 * noise).astype(np.float32))
 
 
 def mixed(name: str, seed: int, reach: int) -> Field:
@@ -61,6 +68,9 @@ def cases(seed: int = 0) -> list[Case]:
     made.append(_case(name, partial(lifted, name, seed), OFFSET, samples))
     name = "magnitudes/offset-smooth"
     made.append(_case(name, partial(lifted_smooth, name, seed), OFFSET, 990))
+    for number in range(3):
+        name = f"magnitudes/single-{number}"
+        made.append(_case(name, partial(single, name, seed), LEVEL, 12**3))
     for reach in (6, 30):
         name = f"magnitudes/mixed-{reach}"
         made.append(_case(name, partial(mixed, name, seed, reach), 0.0, samples))

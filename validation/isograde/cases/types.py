@@ -80,7 +80,7 @@ def cases(seed: int = 0) -> list[Case]:
     for name, low, high, isovalue in (
         ("types/signed", -100, 101, -12.5),
         ("types/unsigned", 0, 201, 99.625),
-        ("types/two", 0, 2, 0.375),
+        ("types/two", 0, 2, 105 / 256),
     ):
         made.append(_case(name, partial(small, name, seed, low, high), isovalue, "posed", "ranges"))
     return made

@@ -10,7 +10,7 @@ is not manifold there is not held against a mesh.
 from __future__ import annotations
 
 import numpy as np
-from isoref.field import Integers
+from isoref.field import Booleans, Floats, Integers
 
 from isograde.claims.evidence import (
     complex_of,
@@ -29,6 +29,7 @@ from isograde.claims.evidence import (
 from isograde.model import Claim, Finding, Judge, Kind, Trial
 from isograde.oracles.complexes import EXACT, Complex
 from isograde.oracles.degree import TooWideError
+from isograde.oracles.lattice import Lattice
 
 HATCHER = (
     "A. Hatcher, Algebraic Topology, 2002, chapter 2: a manifold has a boundary or it has none"
@@ -90,7 +91,18 @@ def _unmatched(trial: Trial, rows: Integers, found: Complex) -> Integers:
             sides.append(dict(zip(keys, at.tolist(), strict=True)))
         paired = [side[key] for key in sides[0].keys() & sides[1].keys() for side in sides]
         rows = np.delete(rows, paired, axis=0)
+        # At a tie, what meets at the seam need not be the same on either side.
+        if lattice.tied.any() and len(rows):
+            rows = rows[~_in_seam_at_tie(lattice, found.points[rows], axis)]
     return rows
+
+
+def _in_seam_at_tie(lattice: Lattice, places: Floats, axis: int) -> Booleans:
+    """(r,) facets (r, k, n) in the seam of a periodic axis, with a vertex beside a tied sample."""
+    planes = np.array([lattice.first[axis], lattice.last[axis]])
+    near = np.abs(places[..., axis, None] - planes) <= lattice.tolerance
+    tied = lattice.beside_tie(places.reshape(-1, lattice.n)).reshape(places.shape[:2]).any(axis=1)
+    return np.asarray(near.all(axis=1).any(axis=1) & tied)
 
 
 def _if_welded(trial: Trial) -> tuple[str, int]:
@@ -239,6 +251,7 @@ def ties(trial: Trial) -> Finding:
         return skipped("there is no simplex")
     for tried in (found, welded_at_ties(trial), found.welded()):
         loose = off_border(trial, tried.unbalanced_facets, tried.points)
+        loose = _unmatched(trial, loose, tried)
         if not len(loose):
             return passed(facets=len(tried.facets.rows))
     return failed(
@@ -246,6 +259,25 @@ def ties(trial: Trial) -> Finding:
         "vertices welded",
         facets=len(loose),
     )
+
+
+def raw(trial: Trial) -> Finding:
+    """Pass when, on a field with ties, the mesh as given is closed and manifold."""
+    if not lattice_of(trial).tied.any():
+        return skipped("no sample is tied")
+    found = complex_of(trial)
+    if not len(found.simplices):
+        return skipped("there is no simplex")
+    name = facet(trial.kind)
+    counts = {
+        f"{name}s of one simplex": len(off_border(trial, found.open_facets, found.points)),
+        f"{name}s of more than two": len(found.crowded_facets),
+        "vertices where sheets meet": len(found.singular_vertices),
+    }
+    told = [f"{count} {what}" for what, count in counts.items() if count]
+    if not told:
+        return passed(facets=len(found.facets.rows))
+    return failed(f"as it came, with nothing excused at ties: {', '.join(told)}", **counts)
 
 
 def _claim(name: str, rule: str, source: str, level: int | None, judge: Judge) -> Claim:
@@ -299,5 +331,15 @@ CLAIMS = (
         "isograde design: fields in general position and fields with ties are told apart",
         None,
         ties,
+    ),
+    Claim(
+        id="topology.raw",
+        rule="On a field with ties too the mesh is closed and manifold as it comes, with nothing "
+        "welded and nothing excused.",
+        source="isograde design: fields in general position and fields with ties are told apart",
+        level=None,
+        judge=on_mesh(raw),
+        kinds=has_facets,
+        promised=False,
     ),
 )

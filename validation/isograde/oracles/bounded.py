@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Numbers = NDArray[Any]
 Ints = NDArray[np.int64]
+EPS = 2.0**-52
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class Bounded:
         """A bound on the rounding of one operation, the bound's own rounding included."""
         if result.dtype.kind != "f":
             return result * 0
-        bound: Numbers = 4 * np.finfo(float).eps * abs(result) + 1e-300
+        bound: Numbers = 4 * EPS * abs(result) + 1e-300
         return bound
 
     def sign(self) -> Ints:

@@ -192,6 +192,8 @@ class Lattice:
             tied |= np.asarray(component == level, bool)
         for step in self.edges:
             self._tie_edges(tied, values, step)
+        for axis in (a for a, end in enumerate(self.ends) if end.end == "periodic"):
+            self._tie_across(tied, values, axis)
         return tied
 
     @cached_property
@@ -226,6 +228,16 @@ class Lattice:
                 met = np.abs(one - other) <= self.reach
             tied[low] |= met
             tied[high] |= met
+
+    def _tie_across(self, tied: Booleans, values: list[Array], axis: int) -> None:
+        """Mark the samples that a crossing between the last plane and the first ties."""
+        ends = [tuple([slice(None)] * axis + [end]) for end in (-1, 0)]
+        for c, level in enumerate(self.isovalues):
+            where = np.nonzero(self.sides[c][ends[0]] != self.sides[c][ends[1]])
+            last, first = (values[c][end][where] for end in ends)
+            share = crossing_share(last, first, level)
+            tied[ends[0]][tuple(w[share <= self.reach] for w in where)] = True
+            tied[ends[1]][tuple(w[share >= 1 - self.reach] for w in where)] = True
 
     def at_tie(self, places: Floats) -> Booleans:
         """(r,) the place is a tied sample."""

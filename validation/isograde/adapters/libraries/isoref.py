@@ -64,8 +64,13 @@ def _five():
     return {"tetrahedra": found}
 
 
-def _surface(method, **said):
+# What a call leaves behind, and what it does among threads.
+_CALLS = ["calls.*"]
+
+
+def _surface(method, promised=(), **said):
     """The row of a method of the catalogue."""
+    said = {"promised": [*_CALLS, *promised], **said}
     return {"function": "surface", "options": {"method": method}, "declaration": said}
 
 
@@ -105,7 +110,7 @@ METHODS = {
         f"isoref:diconex-{mode}": {
             "function": "diconex",
             "options": {"mode": mode},
-            "declaration": {"limits": {"kinds": [[2, 1]]}, "promised": [claim]},
+            "declaration": {"limits": {"kinds": [[2, 1]]}, "promised": [*_CALLS, claim]},
         }
         for mode, claim in _CLAIMS.items()
     },
@@ -114,7 +119,7 @@ METHODS = {
             "function": name,
             "declaration": {
                 "limits": {"kinds": [[3, 2]]},
-                "promised": ["curves.identical"],
+                "promised": [*_CALLS, "curves.identical"],
                 # The gradient that decides a face is taken in space, so a spacing turns it.
                 "not_promised": ["symmetry.spacing"] if name == "marching_faces" else [],
             },

@@ -9,11 +9,15 @@ def surface(values, isovalue, spacing):
 
 
 LIBRARY = {"distribution": "PyMCubes", "imports": ["mcubes"]}
+# It raises "data type not supported" for float16.
+_WHOLE = [f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)]
+_TYPES = ["float32", "float64", "bool", *_WHOLE]
 METHODS = {
     "pymcubes": {
         "function": "surface",
         "declaration": {
             "conventions": {"tie": "outside", "units": "index", "nan": "answers"},
+            "limits": {"types": _TYPES},
             "notes": "takes the isovalue as float32",
         },
     },
