@@ -356,7 +356,7 @@ def test_samples_are_written_little_endian_in_c_order(tmp_path: Path) -> None:
 
 def test_nothing_stays_behind() -> None:
     adapter = ExecAdapter(f"exec:{shlex.quote(sys.executable)} -c pass")
-    directory = adapter._directory
+    directory = adapter.exchange.path
     assert directory.is_dir()
     del adapter
     assert not directory.exists()

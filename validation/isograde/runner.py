@@ -38,9 +38,10 @@ from types import ModuleType
 
 from isoref.field import Field
 
-from isograde import variants
+from isograde import bounds, variants
 from isograde.adapters import open_adapter
 from isograde.adapters.conventions import refusal
+from isograde.bounds import at_most, beyond
 from isograde.cases import all_cases, blocks, given, own
 from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
@@ -291,9 +292,14 @@ class Worker:
             return Finding(Verdict.UNSUPPORTED, trial.plain.detail)
         if claim.needs_mesh and trial.plain.mesh_of(trial.kind) is None:
             return Finding(Verdict.NOT_RUN, "no mesh came back that could be judged")
+        if claim.needs_mesh and (told := beyond(trial.plain, trial.case.samples)):
+            return Finding(Verdict.NOT_RUN, told)
         self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
         try:
-            return claim.judge(trial)
+            with at_most(bounds.SECONDS):
+                return claim.judge(trial)
+        except bounds.GivenUp as error:
+            return Finding(Verdict.NOT_RUN, str(error))
         except Exception as error:  # noqa: BLE001 - counted and shown as a fault of the grader
             return Finding(Verdict.NOT_RUN, f"{JUDGE_FAULT}: {type(error).__name__}: {error}")
 

@@ -4,7 +4,8 @@ The child speaks through its standard input and output. Reading and writing neve
 deadline, and every `TICK` seconds of waiting the memory of the child and of its children is
 looked up. A child that dies, hangs or grows too large ends in `Ended`, which says how.
 
-The child leads a process group of its own, and the whole group is killed with it.
+The child leads a process group of its own, and the whole group is killed with it. Its environment
+bears a mark, by which children of it are found that began a session of their own (on Linux).
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ import signal
 import subprocess
 import tempfile
 import time
+import uuid
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import psutil
@@ -33,6 +35,9 @@ FAMILY_TICKS = 10
 LOG_BYTES = 1 << 26
 QUOTED_BYTES = 2000
 CHUNK = 1 << 20
+# The variable whose value is different for each child.
+MARK = "ISOGRADE_PROCESS"
+SEARCHES = 5
 MEGABYTE = 1 << 20
 
 
@@ -66,6 +71,7 @@ class Child:
         """
         self.errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         self.prints = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
+        self._mark = uuid.uuid4().hex
         extra = (self.prints.fileno(),) if guarded else ()
         for log in (self.errors, self.prints):
             _append_only(log.fileno())
@@ -79,6 +85,7 @@ class Child:
             cwd=directory,
             start_new_session=True,
             bufsize=0,
+            env={**os.environ, MARK: self._mark},
         )
         assert self.process.stdin is not None
         assert self.process.stdout is not None
@@ -87,7 +94,7 @@ class Child:
         os.set_blocking(self._outgoing, False)
         os.set_blocking(self._incoming, False)
         _widen(self._outgoing, self._incoming)
-        self._kill = weakref.finalize(self, _kill_group, self.process)
+        self._kill = weakref.finalize(self, _kill_group, self.process, self._mark)
         self._buffer = bytearray()
         self.allow(Limits())
 
@@ -258,8 +265,39 @@ def _signal_name(number: int) -> str:
         return f"signal {number}"
 
 
-def _kill_group(process: subprocess.Popen[bytes]) -> None:
-    """The process and its group are dead and collected."""
+def _kill_group(process: subprocess.Popen[bytes], mark: str) -> None:
+    """The process, its group and whoever left that are dead; the process is collected."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+    # A process that was let in meanwhile may start another: look until there is none.
+    for _ in range(SEARCHES):
+        found = list(_marked(mark))
+        if not found:
+            return
+        for pid in found:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def _marked(mark: str) -> Iterator[int]:
+    """The processes whose environment has the mark: children of a child, in any session."""
+    try:
+        listed = [int(name) for name in os.listdir("/proc") if name.isdigit()]
+    except OSError:
+        listed = psutil.pids()
+    wanted = f"{MARK}={mark}".encode()
+    for pid in listed:
+        try:
+            environment = Path(f"/proc/{pid}/environ").read_bytes()
+        except OSError:
+            continue
+        if wanted in environment and not _is_dead(pid):
+            yield pid
+
+
+def _is_dead(pid: int) -> bool:
+    """Whether a process has ended and is only not collected yet."""
+    with contextlib.suppress(psutil.Error):
+        return bool(psutil.Process(pid).status() == psutil.STATUS_ZOMBIE)
+    return True

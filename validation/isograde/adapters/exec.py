@@ -75,7 +75,7 @@ from isograde.adapters.answers import arrays_said
 from isograde.adapters.child import MEGABYTE, Child, Ended
 from isograde.adapters.conventions import is_field
 from isograde.adapters.forms import AnswerError
-from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
+from isograde.adapters.process import ProcessAdapter, samples
 from isograde.adapters.protocol import check_json, declared
 from isograde.adapters.strict import NotJSON, isovalue, parse, written
 from isograde.declaration import Declaration
@@ -92,10 +92,6 @@ QUOTED = 120
 
 class ExecAdapter(ProcessAdapter):
     """A program that speaks the protocol of this module; `spec` is ``exec:command``."""
-
-    def __init__(self, spec: str):
-        super().__init__(spec)
-        self._directory = own_directory(self)
 
     def _spawn(self) -> Child:
         """The program, run by the shell."""
@@ -123,7 +119,7 @@ class ExecAdapter(ProcessAdapter):
         said = self._answered(child)
         seconds = said.get("seconds", time.perf_counter() - start)
         outcome = replace(self._read(said, request), seconds=seconds, peak_bytes=child.peak_bytes)
-        empty(self._directory)
+        self.tidy()
         return outcome
 
     def _answered(self, child: Child) -> dict[str, Any]:
@@ -151,7 +147,7 @@ class ExecAdapter(ProcessAdapter):
         field = request.field
         values = samples(field)
         solid = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
-        path = self._directory / "values.npy"
+        path = self.exchange.path / "values.npy"
         np.save(path, solid)
         several = is_field(field) and values.ndim > field.dimension
         return {
@@ -164,7 +160,7 @@ class ExecAdapter(ProcessAdapter):
             "isovalues": [isovalue(one) for one in request.isovalues],
             "offset": path.stat().st_size - solid.nbytes,
             "values": str(path),
-            "directory": str(self._directory),
+            "directory": str(self.exchange.path),
             "case": request.case,
         }
 
@@ -176,7 +172,7 @@ class ExecAdapter(ProcessAdapter):
             return Outcome(Status.DECLINED, detail=said["unsupported"])
         limit = self.limits.megabytes * MEGABYTE
         try:
-            vertices, simplices = arrays_said(said, self._directory, limit, request.kind)
+            vertices, simplices = arrays_said(said, self.exchange.path, limit, request.kind)
         except AnswerError as error:
             return Outcome(error.status, detail=str(error))
         return Outcome(Status.OK, vertices, simplices)

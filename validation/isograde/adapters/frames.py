@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import stat
 import struct
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -55,8 +57,11 @@ def unpack(
     read: Callable[[int], bytearray],
     limit: float = math.inf,
     mmap_mode: Literal["r"] | None = None,
+    folder: Path | None = None,
 ) -> tuple[Header, Arrays]:
     """The next frame, its bytes taken with `read(count)`, its files loaded or mapped.
+
+    Where a folder is given, only regular files that stand in it are read.
 
     Raises
     ------
@@ -70,12 +75,26 @@ def unpack(
         raise FrameError(f"a header of {length} bytes")
     try:
         header = json.loads(read(length))
-        total = sum(entry["bytes"] for entry in header["arrays"])
+        total = sum(_size(entry, folder) for entry in header["arrays"])
         if total > limit:
             raise MemoryError(f"{total:,} bytes of arrays")
         return header, [_array(entry, read, mmap_mode) for entry in header["arrays"]]
-    except (ValueError, TypeError, KeyError, OSError) as error:
+    except (ValueError, TypeError, KeyError, OSError, AttributeError, RecursionError) as error:
         raise FrameError(f"a header that cannot be read: {error}") from error
+
+
+def _size(entry: Header, folder: Path | None) -> int:
+    """The bytes of an array, of a file those it really has; raises `FrameError`."""
+    if "file" not in entry or folder is None:
+        size = entry["bytes"]
+        if not isinstance(size, int) or size < 0:
+            raise FrameError(f"an array of {size!r:.40} bytes")
+        return size
+    path = Path(entry["file"])
+    found = os.lstat(path)
+    if path.parent != folder or not stat.S_ISREG(found.st_mode):
+        raise FrameError(f"{path.name!r:.60} is no file of the folder for exchange")
+    return found.st_size
 
 
 def _array(

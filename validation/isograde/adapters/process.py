@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-import weakref
 from abc import ABC, abstractmethod
-from multiprocessing.util import get_temp_dir
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from isoref.field import Field
@@ -15,25 +11,14 @@ from numpy.typing import NDArray
 
 from isograde.adapters.child import Child, Ended
 from isograde.adapters.conventions import refusal, to_house
+from isograde.adapters.exchange import FULL, Exchange, TemporaryFull
 from isograde.adapters.loading import called
+from isograde.adapters.texts import clean
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Limits, Outcome, Request, Status
 
 # Imports may be slow on a busy machine, however short a call may be.
 START_LIMITS = Limits(seconds=120.0, megabytes=4096)
-
-
-def own_directory(adapter: object) -> Path:
-    """A new folder that goes with the adapter, or with a process that is not let to say goodbye."""
-    directory = Path(tempfile.mkdtemp(prefix="isograde-", dir=get_temp_dir()))
-    weakref.finalize(adapter, shutil.rmtree, directory, ignore_errors=True)
-    return directory
-
-
-def empty(directory: Path) -> None:
-    """The folder has nothing in it."""
-    for path in directory.iterdir():
-        shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 def samples(field: Field) -> NDArray[Any]:
@@ -63,6 +48,7 @@ class ProcessAdapter(ABC):
         self.limits = Limits()
         self.declaration = Declaration(spec)
         self.number = 0
+        self.exchange = Exchange()
         self._child: Child | None = None
 
     @abstractmethod
@@ -97,14 +83,32 @@ class ProcessAdapter(ABC):
             self._child = self._child or self._start()
             self._child.allow(self.limits)
             self.number += 1
-            return self._ask(self._child, request)
+            return self._checked(self._ask(self._child, request))
         except AdapterError as error:
             return Outcome(Status.CRASH, detail=f"it did not start again: {error}")
         except Ended as ended:
             assert self._child is not None
             self._child.kill()
             self._child = None
-            return Outcome(ended.status, detail=str(ended))
+            self.exchange.intact()
+            return self._checked(Outcome(ended.status, detail=str(ended)))
+        except OSError as error:
+            if error.errno in FULL:
+                raise TemporaryFull.of(self.exchange.path.parent) from error
+            raise
+
+    def _checked(self, outcome: Outcome) -> Outcome:
+        """The outcome, its text fit for a report; raises `TemporaryFull`."""
+        if outcome.status not in (Status.OK, Status.DECLINED) and self.exchange.full():
+            raise TemporaryFull.of(self.exchange.path.parent)
+        return replace(outcome, detail=clean(outcome.detail))
+
+    def tidy(self) -> None:
+        """The folder for files is empty; raises `Ended` where the implementation replaced it."""
+        self.exchange.empty()
+        if not self.exchange.intact():
+            told = "it removed the folder in which files are exchanged, or put another in its place"
+            raise Ended(Status.GARBAGE, told)
 
     def said(self) -> tuple[str, str]:
         """The end of what the implementation printed beside the protocol: to stdout, to stderr."""

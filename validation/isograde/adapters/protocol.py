@@ -8,10 +8,12 @@ right word; the schema knows the same words.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from isograde.adapters.texts import clean, clean_name
 from isograde.declaration import Declaration, DeclarationError, declaration_from
 from isograde.model import AdapterError
 
@@ -27,10 +29,17 @@ def declared(data: object, name: str) -> Declaration:
     >>> declared({"level": 3, "conventions": {"tie": "outside"}}, "mine").level
     3
     """
+    if isinstance(data, Mapping):
+        # Cut names, and spell out what no report can hold.
+        cleaned = {"name": clean_name, "version": clean_name, "notes": clean}
+        data = {
+            key: cleaned[key](one) if key in cleaned and isinstance(one, str) else one
+            for key, one in data.items()
+        }
     try:
-        return declaration_from(data, name)
+        return declaration_from(data, clean_name(name))
     except DeclarationError as error:
-        raise AdapterError(str(error)) from None
+        raise AdapterError(clean(error)) from None
 
 
 def check_json(data: object, part: str, what: str) -> None:
@@ -40,7 +49,7 @@ def check_json(data: object, part: str, what: str) -> None:
     error = jsonschema.exceptions.best_match(_validator(part).iter_errors(data))
     if error is not None:
         where = "/".join(map(str, error.absolute_path))
-        raise AdapterError(f"{what}: {where + ': ' if where else ''}{error.message}")
+        raise AdapterError(clean(f"{what}: {where + ': ' if where else ''}{error.message}"))
 
 
 @cache

@@ -5,6 +5,7 @@ How to write such an implementation: see `isograde.adapters.loading`.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -13,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isograde.adapters.child import MEGABYTE, Child, Ended
-from isograde.adapters.frames import FrameError, pack, unpack
-from isograde.adapters.process import ProcessAdapter, empty, own_directory, samples
+from isograde.adapters.exchange import TemporaryFull
+from isograde.adapters.frames import Arrays, FrameError, Header, pack, unpack
+from isograde.adapters.process import ProcessAdapter, samples
 from isograde.adapters.protocol import declared
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Outcome, Request, Status, UnknownName
@@ -29,17 +31,13 @@ class PythonAdapter(ProcessAdapter):
 
     calls = True
 
-    def __init__(self, spec: str):
-        super().__init__(spec)
-        self._directory = own_directory(self)
-
     def _spawn(self) -> Child:
         """A worker."""
         return Child([sys.executable, "-u", "-m", "isograde.adapters.worker"], guarded=True)
 
     def _greet(self, child: Child) -> Declaration:
         """What the function declares, once it is loaded."""
-        answers = str(self._directory / "answer")
+        answers = str(self.exchange.path / "answer")
         path = [entry for entry in sys.path if entry]
         child.write(pack({"load": self.spec, "path": path, "files": answers}))
         try:
@@ -64,21 +62,40 @@ class PythonAdapter(ProcessAdapter):
             "calls": request.calls,
             "seconds": self.limits.seconds,
         }
-        child.write(pack(header, [values], self._directory / "request"))
+        child.write(pack(header, [values], self.exchange.path / "request"))
+        folder, limit = self.exchange.path, self.limits.megabytes * MEGABYTE
         try:
-            said, arrays = unpack(child.read, self.limits.megabytes * MEGABYTE)
+            said, arrays = unpack(child.read, limit, folder=folder)
         except FrameError as error:
             raise Ended(Status.GARBAGE, f"the worker's pipe was written to: {error}") from error
         except MemoryError as error:
             raise Ended(Status.MEMORY, f"an absurd mesh: {error}") from error
         finally:
-            empty(self._directory)
-        if said["id"] != self.number:
-            raise Ended(Status.GARBAGE, f"it answered request {said['id']} a second time")
+            self.exchange.empty()
+        self.tidy()
+        if "full" in said:
+            raise TemporaryFull.of(folder.parent)
+        if said.get("id") != self.number:
+            raise Ended(Status.GARBAGE, f"it answered request {said.get('id')!r:.40} a second time")
+        return _outcome(said, arrays)
+
+
+def _outcome(said: Header, arrays: Arrays) -> Outcome:
+    """The outcome that the worker tells; raises `Ended` where it tells none.
+
+    The implementation runs in the same process as what speaks here, and may have changed it.
+    """
+    try:
+        status, seconds, peak = Status(said["status"]), float(said["seconds"]), int(said["peak"])
         vertices, simplices = arrays or (None, None)
-        cost = {"seconds": said["seconds"], "peak_bytes": said["peak"]}
-        status, changed = Status(said["status"]), said["changed"]
-        return Outcome(status, vertices, simplices, said["detail"], changed, **cost)
+    except (KeyError, ValueError, TypeError, OverflowError) as error:
+        raise Ended(Status.GARBAGE, f"the worker's answer is none: {error!r}") from error
+    numbers = all(array.dtype.kind in "biuf" for array in arrays)
+    if not numbers or (status is Status.OK) != bool(arrays):
+        raise Ended(Status.GARBAGE, "the worker's answer is none: no two arrays of numbers")
+    cost = {"seconds": max(0.0, seconds) if math.isfinite(seconds) else 0.0, "peak_bytes": peak}
+    changed = bool(said.get("changed"))
+    return Outcome(status, vertices, simplices, str(said.get("detail", "")), changed, **cost)  # type: ignore[arg-type]
 
 
 def _strides(values: NDArray[Any]) -> Sequence[int]:

@@ -35,9 +35,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from isograde.adapters.exchange import FULL
 from isograde.adapters.forms import AnswerError, arrays_from
 from isograde.adapters.frames import Arrays, Header, pack, unpack
 from isograde.adapters.loading import Call, load
+from isograde.adapters.texts import SENT, clean
 from isograde.declaration import declaration_json
 from isograde.model import AdapterError, Kind, Status, UnknownName
 
@@ -57,7 +59,14 @@ def main(log: int) -> None:
         while extract is not None:
             header, arrays = unpack(read, mmap_mode="r")
             signal.setitimer(signal.ITIMER_REAL, header["seconds"] + GRACE_SECONDS)
-            _send(sink, pack(*_call(extract, header, arrays[0], memory), files))
+            answer = _call(extract, header, arrays[0], memory)
+            try:
+                frame = pack(*answer, files)
+            except OSError as error:  # The folder is full, or gone.
+                word = "full" if error.errno in FULL else "detail"
+                bad: Header = {"status": Status.GARBAGE, "seconds": 0.0, "peak": 0}
+                frame = pack({"id": header["id"], **bad, word: str(error)})
+            _send(sink, frame)
             signal.setitimer(signal.ITIMER_REAL, 0)
     except EOFError:
         return
@@ -104,7 +113,7 @@ def _serve_load(header: Header, sink: int) -> Call | None:
         extract, declaration = load(header["load"])
     except AdapterError as error:
         unknown = isinstance(error, UnknownName)
-        _send(sink, pack({"error": str(error), "unknown": unknown}))
+        _send(sink, pack({"error": clean(error, SENT), "unknown": unknown}))
         return None
     _send(sink, pack({"declaration": declaration_json(declaration)}))
     return extract
@@ -131,11 +140,11 @@ def _outcome(asked: Asked, calls: str) -> tuple[Status, str, Arrays]:
     try:
         return Status.OK, "", WAYS[calls](asked)
     except AnswerError as error:
-        return error.status, str(error), []
+        return error.status, clean(error, SENT), []
     except MemoryError as error:
         return Status.MEMORY, f"MemoryError: {error}", []
     except NotImplementedError as error:
-        return Status.DECLINED, str(error), []
+        return Status.DECLINED, clean(error, SENT), []
     except Exception as error:  # noqa: BLE001 - whatever it raises is its answer
         return Status.RAISED, _told(error), []
 
@@ -143,7 +152,9 @@ def _outcome(asked: Asked, calls: str) -> tuple[Status, str, Arrays]:
 def _told(error: Exception) -> str:
     """The error in one line, with the innermost place it came from."""
     last = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
+    return (
+        f"{type(error).__name__}: {clean(error, SENT)} ({Path(last.filename).name}:{last.lineno})"
+    )
 
 
 def _laid_out(samples: NDArray[Any], strides: list[int]) -> NDArray[Any]:

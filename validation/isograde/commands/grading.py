@@ -13,6 +13,7 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
+from isograde.adapters.exchange import TemporaryFull
 from isograde.cases.own import OwnCasesError
 from isograde.commands.console import Exit, console, errors, say, status_of, stop
 from isograde.drafts import Busy, NotResumed, unfinished
@@ -84,7 +85,7 @@ def _faults_told(path: Path) -> Iterator[None]:
         stop(Exit.WRONG_USE, str(error))
     except NothingToRun as error:
         stop(Exit.NO_EVIDENCE, str(error.args[0]))
-    except (Busy, NotResumed) as error:
+    except (Busy, NotResumed, TemporaryFull) as error:
         stop(Exit.WRONG_USE, str(error))
     except OSError as error:
         why = f"{path} cannot be written: {error.filename}: {error.strerror}"
@@ -117,7 +118,7 @@ def grade_all(
             found_one = _grade(spec, options, path, resume)
         except KeyboardInterrupt:
             stop(Exit.STOPPED, _stopped(path))
-        except Busy as error:
+        except (Busy, TemporaryFull) as error:
             stop(Exit.WRONG_USE, str(error))
         except NotResumed:
             continue  # It was judged to its end, or not begun.
