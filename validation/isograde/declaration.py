@@ -2,7 +2,7 @@
 
 Everything is optional; what is left out is the house's. As JSON::
 
-    {"name": "mine", "version": "1.2", "level": 3,
+    {"name": "mine", "version": "1.2", "level": 3, "given": "samples",
      "interpolant": "multilinear", "vertices": "edges", "domain": "open", "mesh": "indexed",
      "conventions": {"tie": "outside", "normals": "to_high", "axes": "reversed", "units": "index",
                      "nan": "answers", "empty": "raises"},
@@ -28,6 +28,8 @@ mesh          ``"indexed"``, judged as given; ``{"soup": tolerance}``, where ver
 
 Conventions and limits
 ----------------------
+given         what it is called with: samples, or a function that it samples itself; the vertices of
+              the latter are its own (`isograde.adapters.functions`)
 tie           side on which a sample equal to the isovalue counts: inside, outside
 normals       where right-hand normals point, in the implementation's own coordinates: to_low,
               to_high; "none" where triangles are not oriented
@@ -189,6 +191,7 @@ class Declaration:
     reach: float = 0.0
     domain: tuple[End, ...] = (End(),)
     soup: float | None = None
+    given: Literal["samples", "function"] = "samples"
     conventions: Conventions = Conventions()
     limits: Scope = Scope()
     promised: frozenset[str] = frozenset()
@@ -243,6 +246,8 @@ def declaration_from(data: object, name: str) -> Declaration:
         }
         if "level" in said:
             fields["level"] = _whole(said["level"], "level", 0, 4)
+        if "given" in said:
+            fields["given"] = _one_of(said["given"], ("samples", "function"), "given")
         if "conventions" in said:
             fields["conventions"] = _conventions(said["conventions"])
         if "limits" in said:
@@ -250,6 +255,11 @@ def declaration_from(data: object, name: str) -> Declaration:
     except DeclarationError as error:
         raise DeclarationError(f"{what}: {error}") from None
     declared = Declaration(**fields)
+    if declared.given == "function" and declared.vertices != "own":
+        raise DeclarationError(
+            f"{what}: given: a function is sampled on a lattice of one's own; declare vertices "
+            '{"own": reach}'
+        )
     if declared.level > declared.top and "level" in said:
         family = f"{declared.interpolant}, vertices on {declared.vertices}"
         raise DeclarationError(
@@ -259,8 +269,8 @@ def declaration_from(data: object, name: str) -> Declaration:
 
 
 ENTRIES = (
-    "name", "version", "level", "interpolant", "vertices", "domain", "mesh", "conventions",
-    "limits", "promised", "not_promised", "notes",
+    "name", "version", "level", "interpolant", "vertices", "domain", "mesh", "given",
+    "conventions", "limits", "promised", "not_promised", "notes",
 )  # fmt: skip
 
 
@@ -470,6 +480,7 @@ def declaration_json(declaration: Declaration) -> dict[str, Any]:
         else declaration.vertices,
         "domain": [asdict(end) for end in declaration.domain],
         "mesh": "indexed" if declaration.soup is None else {"soup": declaration.soup},
+        "given": declaration.given,
         "conventions": asdict(declaration.conventions),
         "limits": {
             **asdict(declaration.limits),

@@ -108,6 +108,11 @@ class ExecAdapter(ProcessAdapter):
             raise AdapterError(f"{self.spec}: {OLD[spoken]}, and that is protocol {PROTOCOL}")
         declaration = declared(said.get("declaration", {}), self.spec)
         check_json(said, "started", f"the answer {_quoted(line)}")
+        if declaration.given == "function":
+            raise AdapterError(
+                f"{self.spec}: a program is sent samples; let it make a function of them, declare "
+                "its vertices as its own, and leave out given"
+            )
         return declaration
 
     def _ask(self, child: Child, request: Request) -> Outcome:

@@ -18,6 +18,9 @@ Where m > 1 fields meet it is ``extract(values, isovalues, spacing)`` with value
 and a tuple of m floats, or, with 2 m + 1 parameters, ``extract(a, b, isovalue_a, isovalue_b,
 spacing)`` and so on: the number of parameters without a default tells which.
 
+Who samples a function, and takes no samples, declares ``"given": "function"``, and is called with
+one (`isograde.adapters.functions`).
+
 Name it ``python:package.module:function`` or ``python:path/to/file.py:function``.
 
 It may say what it is in a declaration (`isograde.declaration`): a dictionary, or a function without
@@ -44,6 +47,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from isograde.adapters.functions import on_samples
 from isograde.adapters.protocol import declared
 from isograde.adapters.registry import READY_MADE
 from isograde.declaration import Declaration
@@ -84,6 +88,9 @@ def load(spec: str) -> tuple[Call, Declaration]:
         if isinstance(said, Mapping):
             said = _with_kinds(said, required)
         declaration = declared(said, called(spec))
+        if declaration.given == "function":
+            _check_given(function, declaration, spec)
+            return as_called(on_samples(function), 3), declaration
         for kind in declaration.limits.kinds:
             if required not in (3, 2 * kind[1] + 1):
                 raise AdapterError(f"{spec}: {_miscounted(required, kind)}")
@@ -96,6 +103,19 @@ def load(spec: str) -> tuple[Call, Declaration]:
         raise AdapterError(f"{spec}: {advice(error, ready.distribution)}") from error
     function = ready.function()
     return as_called(function, required_parameters(function)), ready.declaration()
+
+
+def _check_given(function: Callable[..., Any], declaration: Declaration, spec: str) -> None:
+    """Raise `AdapterError` unless the function can be called with one function."""
+    if any(m != 1 for _, m in declaration.limits.kinds):
+        raise AdapterError(f"{spec}: given one function, it can be for kinds (n, 1) alone")
+    try:
+        inspect.signature(function).bind(*[None] * 5)
+    except TypeError as error:
+        asked = "(function, lower, upper, spacing, isovalue)"
+        raise AdapterError(f"{spec}: it is called with {asked}: {error}") from None
+    except ValueError:
+        return  # What is not written in Python may not say what it takes.
 
 
 def required_parameters(function: Callable[..., Any]) -> int:
@@ -124,6 +144,8 @@ def required_parameters(function: Callable[..., Any]) -> int:
 def _with_kinds(said: Mapping[str, Any], required: int) -> Mapping[str, Any]:
     """What is said, with the kind that 2 m + 1 parameters tell where none is said."""
     limits = said.get("limits", {})
+    if said.get("given") == "function":
+        return said
     if required <= 3 or required % 2 == 0 or not isinstance(limits, Mapping) or "kinds" in limits:
         return said
     return {**said, "limits": {**limits, "kinds": [[3, required // 2]]}}

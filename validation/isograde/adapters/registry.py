@@ -15,6 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from types import ModuleType
 from typing import Any
 
+from isograde.adapters import functions
 from isograde.adapters.libraries import (
     contourpy,
     isoref,
@@ -72,10 +73,16 @@ class ReadyMade:
         """What it declares."""
         return declaration_from({"version": self.version, **self.said}, self.name)
 
+    @property
+    def given_function(self) -> bool:
+        """Whether the library samples a function itself."""
+        return self.said.get("given") == "function"
+
     def function(self) -> Callable[..., Any]:
-        """The function, its options bound."""
+        """The function of samples, its options bound."""
         function: Callable[..., Any] = getattr(self.module, self.calls)
-        return partial(function, **self.options) if self.options else function
+        bound = partial(function, **self.options) if self.options else function
+        return functions.on_samples(bound) if self.given_function else bound
 
     @cached_property
     def source(self) -> str:
@@ -99,7 +106,12 @@ class ReadyMade:
         bound = "".join(f", {key}={value!r}" for key, value in self.options.items())
         if bound:
             imports = ["from functools import partial", *imports]
-        given = f"extract = partial({self.calls}{bound})" if bound else f"extract = {self.calls}"
+        named = f"partial({self.calls}{bound})" if bound else self.calls
+        if self.given_function:
+            named = f"on_samples({named})"
+            more = _needed(inspect.getsource(functions), "on_samples")
+            imports, others = [*more[0], *imports], [*more[1], *others]
+        given = f"extract = {named}"
         head = ["\n".join(imports)] if imports else []
         return "\n\n\n".join([*head, *others, given])
 

@@ -1,4 +1,4 @@
-"""PyMCubes: `mcubes.marching_cubes`, which knows no spacing."""
+"""PyMCubes: `mcubes.marching_cubes`, which knows no spacing, and `marching_cubes_func`."""
 
 
 def surface(values, isovalue, spacing):
@@ -6,6 +6,14 @@ def surface(values, isovalue, spacing):
     import mcubes
 
     return mcubes.marching_cubes(values, isovalue)
+
+
+def of_function(function, lower, upper, spacing, isovalue):
+    """The surface of a function, sampled as finely as ours."""
+    import mcubes
+
+    counts = [1 + round(end / step) for end, step in zip(upper, spacing, strict=True)]
+    return mcubes.marching_cubes_func(lower, upper, *counts, function, isovalue)
 
 
 LIBRARY = {"distribution": "PyMCubes", "imports": ["mcubes"]}
@@ -20,5 +28,15 @@ METHODS = {
             "limits": {"types": _TYPES},
             "notes": "takes the isovalue as float32",
         },
+    },
+    "pymcubes:func": {
+        "function": "of_function",
+        "declaration": {
+            "given": "function",
+            "vertices": {"own": 1.0},
+            "conventions": {"tie": "outside", "nan": "answers"},
+            "limits": {"least": 2},
+        },
+        "does": ["asks for as many samples along each axis as the field has"],
     },
 }
