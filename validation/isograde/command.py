@@ -272,7 +272,8 @@ def explain(
         str,
         typer.Argument(
             metavar="CLAIM",
-            help="An id, a family of them, or a way in: python, exec, protocol, dir, declaration.",
+            help="An id, a family of them, or a way in: python, function, exec, protocol, "
+            "dir, declaration.",
         ),
     ],
 ) -> None:

@@ -29,7 +29,7 @@ mesh          ``"indexed"``, judged as given; ``{"soup": tolerance}``, where ver
 Conventions and limits
 ----------------------
 given         what it is called with: samples, or a function that it samples itself; the vertices of
-              the latter are its own (`isograde.adapters.functions`)
+              the latter are its own (`isograde.adapters.interpolants`)
 tie           side on which a sample equal to the isovalue counts: inside, outside
 normals       where right-hand normals point, in the implementation's own coordinates: to_low,
               to_high; "none" where triangles are not oriented

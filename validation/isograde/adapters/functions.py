@@ -1,90 +1,114 @@
-"""Implementations that sample a function themselves, asked about fields of samples.
+"""The name of a function that somebody holds in a Python session.
 
-Such an implementation declares ``{"given": "function", "vertices": {"own": reach}}``, and is a
-function ``extract(function, lower, upper, spacing, isovalue)``:
-
-function    of n coordinates, floats or arrays of one shape, to a float or an array: here the
-            multilinear interpolant of the field's samples, continued constantly beyond them
-lower, upper
-            tuples of n floats, the ends of the box
-spacing     a tuple of n floats: how fine the field is, and its own samples should be
-isovalue    a float
-answer      as of any function in Python, in the coordinates of the box
-
-It is judged as one whose vertices stand on a lattice of its own. Where a failure is shown without
-the grader, the functions of this module are printed: they need NumPy alone.
+An implementation runs in a process of its own, which finds a function by name where it can import
+it, as ``python:package.module:function``. What it cannot (a function of a notebook, of a script, of
+a test file that is not on the path; a lambda, a closure, a `functools.partial`) is written to a
+file with cloudpickle, code and all, as ``pickle:folder/name``. The file goes when the session does.
 """
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Callable
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.machinery import ModuleSpec
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+import cloudpickle
+
+from isograde.adapters.loading import PICKLED
+from isograde.model import AdapterError
+
+Implementation = str | Callable[..., Any]
 
 
-def on_samples(given: Callable[..., Any]) -> Callable[..., Any]:
-    """The extractor `given` a function, as one that is given samples.
+@contextmanager
+def named(implementation: Implementation) -> Iterator[str]:
+    """A name that any process can open while the context lasts. Raises `AdapterError`.
 
-    >>> def ends(function, lower, upper, spacing, isovalue):
-    ...     return function(*lower), function(*upper), function(0.5)
-    >>> on_samples(ends)(np.array([3, 5, 6]), 4.5, (1.0,))
-    (3.0, 6.0, 4.0)
+    >>> from isoref.methods import extract
+    >>> with named(extract) as spec:
+    ...     print(spec)
+    python:isoref.methods:extract
     """
+    if isinstance(implementation, str):
+        yield implementation
+        return
+    if not callable(implementation):
+        kind = type(implementation).__name__
+        raise TypeError(f"an implementation is a function or a name, not {kind}")
+    importable = _importable(implementation)
+    if importable is not None:
+        yield importable
+        return
+    with tempfile.TemporaryDirectory(prefix="isograde-") as folder:
+        path = Path(folder) / name_of(implementation)
+        path.write_bytes(_pickled(implementation))
+        yield f"{PICKLED}{path}"
 
-    def extract(values: Any, isovalue: Any, spacing: Any) -> Any:
-        """What it makes of the interpolant of the samples."""
-        upper = tuple((n - 1) * h for n, h in zip(values.shape, spacing, strict=True))
-        lower = (0.0,) * len(upper)
-        return given(interpolant(values, spacing), lower, upper, tuple(spacing), isovalue)
 
-    return extract
+def name_of(function: Callable[..., Any]) -> str:
+    """The name a function goes by, fit for a file.
 
-
-def interpolant(values: Any, spacing: Any) -> Callable[..., Any]:
-    """The multilinear interpolant, continued constantly beyond the lattice.
-
-    >>> at = interpolant(np.array([[0, 1], [2, 3]]), (1.0, 2.0))
-    >>> at(0.5, 1.0), at(np.array([0.5, 9.0]), np.array([1.0, 0.0])).tolist()
-    (1.5, [1.5, 2.0])
+    >>> from functools import partial
+    >>> name_of(print), name_of(lambda: 0), name_of(partial(print, end=""))
+    ('print', 'lambda', 'print')
     """
-    flat = np.ascontiguousarray(values, np.float64).ravel()
-    numbers = array("d", flat.tobytes())  # An array of Python's gives floats, and quickly.
-    strides = [int(np.prod(values.shape[axis + 1 :])) for axis in range(values.ndim)]
-
-    def at(*place: Any) -> Any:
-        """The value at a place, or at many."""
-        many = any(isinstance(p, np.ndarray) for p in place)
-        low: Any = 0
-        shares = []
-        for p, h, size, stride in zip(place, spacing, values.shape, strides, strict=True):
-            cell, share = (cells if many else cell_of)(p / h, size)
-            low = low + cell * stride
-            shares.append((share, stride if size > 1 else 0))
-        return within(flat if many else numbers, low, shares)
-
-    return at
+    inner = getattr(function, "func", function)
+    name = str(getattr(inner, "__name__", type(inner).__name__))
+    return "".join(c for c in name if c.isalnum() or c in "._-") or "function"
 
 
-def cell_of(index: float, size: int) -> tuple[int, float]:
-    """The cell on an axis of so many samples that an index is in, and its share of the cell."""
-    inside = min(max(index, 0.0), size - 1.0)
-    cell = min(int(inside), max(size - 2, 0))
-    return cell, inside - cell
+def _importable(function: Callable[..., Any]) -> str | None:
+    """The ``python:`` name under which another process finds this very function, or None."""
+    module, name = getattr(function, "__module__", None), getattr(function, "__qualname__", "")
+    if module in (None, "__main__") or not name or "<" in name:
+        return None
+    found: Any = sys.modules.get(module)
+    if found is None or not _stands_on_the_path(module):
+        return None
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    return f"python:{module}:{name}" if found is function else None
 
 
-def cells(index: Any, size: int) -> tuple[Any, Any]:
-    """The cells of many indices, and their shares."""
-    inside = np.clip(index, 0.0, size - 1.0)
-    cell = np.minimum(inside.astype(np.int64), max(size - 2, 0))
-    return cell, inside - cell
+def _stands_on_the_path(module: str) -> bool:
+    """Whether an import in a new process leads to the file from which the module came."""
+    here = getattr(sys.modules[module], "__file__", None)
+    path, spec = None, None
+    parts = module.split(".")
+    for count in range(1, len(parts) + 1):
+        spec = _found(".".join(parts[:count]), path)
+        if spec is None:
+            return False
+        path = spec.submodule_search_locations
+    return here is not None and spec is not None and spec.origin == here
 
 
-def within(numbers: Any, low: Any, shares: Any) -> Any:
-    """The interpolant in the cell that begins at `low`, at these shares of its sides."""
-    if not shares:
-        return numbers[low]
-    (share, step), *others = shares
-    first = within(numbers, low, others)
-    return first * (1 - share) + within(numbers, low + step, others) * share
+def _found(name: str, path: Sequence[str] | None) -> ModuleSpec | None:
+    """Where an import would look, whatever is loaded already."""
+    finders = (getattr(finder, "find_spec", None) for finder in sys.meta_path)
+    found = (find(name, path) for find in finders if find is not None)
+    return next((spec for spec in found if spec is not None), None)
+
+
+def _pickled(function: Callable[..., Any]) -> bytes:
+    """The function as bytes, with the code of its module where that cannot be imported."""
+    name = getattr(getattr(function, "func", function), "__module__", None)
+    module = sys.modules.get(name or "")
+    apart = module is not None and name != "__main__" and not _stands_on_the_path(str(name))
+    if apart:
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        written: bytes = cloudpickle.dumps(function)
+    except Exception as error:
+        raise AdapterError(
+            f"{name_of(function)} cannot be sent to a process of its own "
+            f"({type(error).__name__}: {error}); put it in a module, and name it python:module:name"
+        ) from error
+    finally:
+        if apart:
+            cloudpickle.unregister_pickle_by_value(module)
+    return written

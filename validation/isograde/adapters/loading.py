@@ -19,7 +19,7 @@ and a tuple of m floats, or, with 2 m + 1 parameters, ``extract(a, b, isovalue_a
 spacing)`` and so on: the number of parameters without a default tells which.
 
 Who samples a function, and takes no samples, declares ``"given": "function"``, and is called with
-one (`isograde.adapters.functions`).
+one (``isograde explain function``).
 
 Name it ``python:package.module:function`` or ``python:path/to/file.py:function``.
 
@@ -47,7 +47,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from isograde.adapters.functions import on_samples
+from isograde.adapters.interpolants import on_samples
 from isograde.adapters.protocol import declared
 from isograde.adapters.registry import READY_MADE
 from isograde.declaration import Declaration

@@ -15,7 +15,6 @@ from importlib.metadata import PackageNotFoundError, version
 from types import ModuleType
 from typing import Any
 
-from isograde.adapters import functions
 from isograde.adapters.libraries import (
     contourpy,
     isoref,
@@ -82,7 +81,11 @@ class ReadyMade:
         """The function of samples, its options bound."""
         function: Callable[..., Any] = getattr(self.module, self.calls)
         bound = partial(function, **self.options) if self.options else function
-        return functions.on_samples(bound) if self.given_function else bound
+        if not self.given_function:
+            return bound
+        from isograde.adapters.interpolants import on_samples  # Here, for lists need no NumPy.
+
+        return on_samples(bound)
 
     @cached_property
     def source(self) -> str:
@@ -109,11 +112,18 @@ class ReadyMade:
         named = f"partial({self.calls}{bound})" if bound else self.calls
         if self.given_function:
             named = f"on_samples({named})"
-            more = _needed(inspect.getsource(functions), "on_samples")
+            more = on_samples_source()
             imports, others = [*more[0], *imports], [*more[1], *others]
         given = f"extract = {named}"
         head = ["\n".join(imports)] if imports else []
         return "\n\n\n".join([*head, *others, given])
+
+
+def on_samples_source() -> tuple[list[str], list[str]]:
+    """The imports and definitions that make a function of samples out of one of a function."""
+    from isograde.adapters import interpolants
+
+    return _needed(inspect.getsource(interpolants), "on_samples")
 
 
 def _needed(text: str, name: str) -> tuple[list[str], list[str]]:

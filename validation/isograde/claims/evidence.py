@@ -18,6 +18,7 @@ from isoref.field import Booleans, Floats, Integers
 from isoref.mesh import Mesh
 from scipy.spatial import KDTree
 
+from isograde.declaration import Declaration
 from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import tied_saddle
 from isograde.oracles.complexes import Complex, components_of
@@ -27,6 +28,11 @@ from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import Traces, traces
 
 T = TypeVar("T")
+
+
+def given_samples(declared: Declaration) -> bool:
+    """Called with samples, and not with a function."""
+    return declared.given == "samples"
 
 
 def passed(**numbers: Any) -> Finding:

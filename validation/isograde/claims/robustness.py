@@ -8,10 +8,13 @@ against nobody who does not promise otherwise.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from isograde.claims.evidence import VERDICT_OF, failed, passed, skipped
-from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial
+from isograde.claims.evidence import VERDICT_OF, failed, given_samples, passed, skipped
+from isograde.declaration import Declaration
+from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial, every_family
 
 DESIGN = "isograde design"
 BAD_INPUT = ("rank", "no-samples", "isovalue-nan")
@@ -111,6 +114,7 @@ def _claim(
     *,
     needs_mesh: bool = True,
     promised: bool = True,
+    families: Callable[[Declaration], bool] = every_family,
 ) -> Claim:
     """A claim of this family."""
     return Claim(
@@ -122,12 +126,18 @@ def _claim(
         variants=variants,
         needs_mesh=needs_mesh,
         promised=promised,
+        families=families,
     )
 
 
 CLAIMS = (
     _claim(
-        "input_unmodified", "The samples are not changed.", input_unmodified, 2, needs_mesh=False
+        "input_unmodified",
+        "The samples are not changed.",
+        input_unmodified,
+        2,
+        needs_mesh=False,
+        families=given_samples,
     ),
     _claim(
         "deterministic", "Asked twice, it gives the same arrays.", deterministic, 2, ("repeat",)
@@ -160,5 +170,6 @@ CLAIMS = (
         BAD_INPUT,
         needs_mesh=False,
         promised=False,
+        families=given_samples,
     ),
 )

@@ -42,6 +42,7 @@ from isograde.claims.evidence import (
     VERDICT_OF,
     complex_of,
     failed,
+    given_samples,
     lattice_of,
     on_mesh,
     passed,
@@ -597,13 +598,13 @@ CLAIMS = (
         "gaps, whether they can be written.",
         same_simplices,
         LAYOUTS,
-        every_family,
+        given_samples,
     ),
     _claim(
         "symmetry.type",
         "The same numbers in another type give the same answer, up to rounding.",
         same_simplices,
         tuple(variants.TYPES),
-        every_family,
+        given_samples,
     ),
 )

@@ -92,6 +92,7 @@ def levels() -> None:
 # How to write an implementation: the modules' own words.
 GUIDES = {
     "python": "isograde.adapters.loading",
+    "function": "isograde.adapters.interpolants",
     "exec": "isograde.adapters.exec",
     "dir": "isograde.adapters.directory",
     "declaration": "isograde.declaration",

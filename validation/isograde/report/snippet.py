@@ -197,7 +197,8 @@ print(simplices)
 
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
-    record, call = report.evidence.get(summary.id), calling(report.spec)
+    record = report.evidence.get(summary.id)
+    call = calling(report.spec, report.declaration.get("given", "samples"))
     if summary.id in CONVENTIONS:
         return None  # There an error is right, or none is, as it is declared.
     if record is None or call is None or not 0 < len(record["values"]) <= PRINTED:
@@ -310,15 +311,23 @@ def _compared(posed: JSON, n: int, m: int) -> str:
     return SHOW_COUNTS
 
 
-def calling(spec: str) -> str | None:
-    """The lines that define `extract` as the implementation's users call it; None if none do."""
+def calling(spec: str, given: str = "samples") -> str | None:
+    """The lines that define `extract` as the implementation's users call it; None if none do.
+
+    given : what it is called with, as it declares
+    """
+    from isograde.adapters.registry import READY_MADE, on_samples_source
+
     kind, _, rest = spec.partition(":")
     if kind == "python":
         module, _, function = rest.rpartition(":")
         template = PYTHON_FILE if module.endswith(".py") else PYTHON
-        return template.format(module=module, function=function)
-    from isograde.adapters.registry import READY_MADE
-
+        lines = template.format(module=module, function=function)
+        if given == "function":
+            imports, definitions = on_samples_source()
+            definitions = ["\n".join([*imports, lines]), *definitions]
+            lines = "\n\n\n".join([*definitions, "extract = on_samples(extract)"])
+        return lines
     ready = READY_MADE.get(spec)
     return None if ready is None else ready.source
 

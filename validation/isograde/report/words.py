@@ -215,6 +215,8 @@ def declared(report: Report) -> dict[str, str]:
     """The declaration in words: its four words, conventions and limits."""
     said = report.declaration
     rows = {name: _word(said[name]) for name in ("interpolant", "vertices", "domain", "mesh")}
+    if said.get("given") == "function":
+        rows["given"] = "a function, the interpolant of the samples"
     rows |= {name: str(value).replace("_", " ") for name, value in said["conventions"].items()}
     rows["kinds"] = kinds(report.kinds)
     rows |= {
