@@ -60,7 +60,7 @@ reports: $(STAMP)
 	$(BIN)/isograde grade --all --out reports/implementations || [ $$? -eq 1 ]
 
 catalogue: $(STAMP)
-	$(BIN)/python -m isograde.catalogue
+	$(BIN)/python -m isograde.cataloguing
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

@@ -10,6 +10,7 @@ from typing import Any
 import jsonschema
 from isograde.cases import Catalogue
 from isograde.declaration import Declaration, declaration_from
+from isograde.expectations import Expected
 from isograde.grading import graded_by
 from isograde.model import SURFACES, Adapter, Case, Claim, Finding, Kind, Trial, Verdict
 from isograde.oracles.bodies import KINDS
@@ -96,14 +97,15 @@ def made(
     rows: Sequence[tuple[Case, Judged]],
     claims: Mapping[str, Claim] = CLAIMS,
     only: tuple[str, ...] = (),
+    expected: Mapping[str, Expected] | None = None,
     **declared: Any,
 ) -> Report:
     """The report of these rows, with its footer, read back from its records."""
     declaration: Declaration = declaration_from(
         {"name": "mine", "version": "1.2", "level": 4, **declared}, "mine"
     )
-    written = [record.header("python:mine:f", declaration, Options(only=only), ["grade"])]
-    written += [record.claim_record(one, declaration) for one in claims.values()]
+    head = record.header("python:mine:f", declaration, Options(only=only), ["grade"], expected)
+    written = [head, *(record.claim_record(one, declaration) for one in claims.values())]
     tally = record.Tally()
     for asked, judged in rows:
         written.append(record.case_record(asked))

@@ -163,6 +163,20 @@ def test_a_script_without_a_guard_is_graded_in_several_processes(tmp_path: Path)
     assert done.stdout.split() == ["once", "True"], done.stderr
 
 
+def test_a_module_that_grades_itself_while_it_is_imported_is_told(tmp_path: Path) -> None:
+    """Attack: each process would import the module, which would start another process."""
+    script = tmp_path / "mine.py"
+    script.write_text(
+        "import isograde\n"
+        "def extract(values, isovalue, spacing):\n"
+        "    return [], []\n"
+        "isograde.check(extract)\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(AdapterError, match="cannot be graded itself"):
+        isograde.grade(f"python:{script}:extract")
+
+
 def test_names_of_functions_are_those_a_new_process_can_open() -> None:
     with named(lambda values, isovalue, spacing: None) as spec:
         assert spec.startswith("pickle:")

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 import pytest
-from isograde import catalogue, places
+from isograde import catalogue, cataloguing, places
 
 
 def test_the_file_is_that_of_the_registries() -> None:
     """After a change of claims, cases or implementations: make catalogue."""
-    found, built = catalogue.read(), catalogue.build()
+    found, built = catalogue.read(), cataloguing.build()
     assert found.keys() == built.keys()
     assert len(found["claims"]) > 40
     for name, rows in built.items():

@@ -24,6 +24,7 @@ from isograde.adapters.functions import Implementation, name_of, named
 from isograde.checking import Checked
 from isograde.commands.console import close_to
 from isograde.commands.volumes import stored_named
+from isograde.expectations import Given, expectations
 from isograde.formats.reading import Asked
 from isograde.model import Limits
 from isograde.report import reading
@@ -40,6 +41,7 @@ def grade(
     timeout: float = 30.0,
     memory: int = 4096,
     jobs: int | None = None,
+    expected_failures: Given = None,
     strict: bool = False,
     show_progress: bool | None = None,
 ) -> Grade:
@@ -54,7 +56,10 @@ def grade(
     seed : other numbers under the same ids
     timeout, memory : seconds and megabytes a call may take
     jobs : processes; by default as many as processors
-    strict : a promised claim without evidence counts as a failure
+    expected_failures : reasons by claim, or a file that ``--write-expect`` wrote; what is
+        expected to fail does not count, except on known bodies
+    strict : a promised claim without evidence counts as a failure, and so does an expected failure
+        that does not happen
     show_progress : by default on a terminal and in a notebook
 
     Raises
@@ -64,6 +69,8 @@ def grade(
         this name.
     NothingToRun
         where no case and claim match `only`.
+    ExpectationError
+        where `expected_failures` name no claim, or a known body.
 
     >>> found = grade("isoref:lorensen-cline", only=["pairs/0217", "topology.closed"])
     >>> found.failures["topology.closed"][:35]
@@ -71,7 +78,7 @@ def grade(
     >>> found.holds
     False
     """
-    limits = Limits(timeout, memory)
+    limits, expected = Limits(timeout, memory), expectations(expected_failures)
     options = Options(seed, full, tuple(only), limits, jobs or processors())
     title = implementation if isinstance(implementation, str) else name_of(implementation)
     with (
@@ -80,7 +87,8 @@ def grade(
         progress.progress(title, show_progress) as watch,
     ):
         path = Path(folder) / "report.jsonl"
-        return Grade(grading.grade(spec, options, path, watch=watch), strict)
+        report = grading.grade(spec, options, path, watch=watch, expected=expected)
+        return Grade(report, strict)
 
 
 def check(implementation: Implementation, *, timeout: float = 10.0) -> Checked:

@@ -70,6 +70,7 @@ class Format(StrEnum):
     MARKDOWN = "md"
     JUNIT = "junit"
     BADGE = "badge"
+    SHIELDS = "shields"
 
 
 class Space(StrEnum):
@@ -132,7 +133,12 @@ def grade(
         typer.Option("--format", help="Beside the JSON lines; by default all of them."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="A promised claim without evidence fails too.")
+        bool,
+        typer.Option(
+            "--strict",
+            help="A promised claim without evidence fails too, and so does an expected failure "
+            "that does not happen.",
+        ),
     ] = False,
     cases: Annotated[
         list[Path] | None,
@@ -154,10 +160,21 @@ def grade(
             "the same command goes on where it was.",
         ),
     ] = None,
+    expect: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Failures that are known.")
+    ] = None,
+    write_expect: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write what fails, to be expected.")
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="I/N", help="The I-th of N parts of the cases.")
+    ] = None,
 ) -> None:
     """Grade an implementation and write the report."""
     if everything == (implementation is not None):
         stop(Exit.WRONG_USE, "name one implementation, or --all")
+    if everything and (expect or write_expect or shard):
+        stop(Exit.WRONG_USE, "--expect, --write-expect and --shard are for one implementation")
     from isograde.commands import grading
     from isograde.model import Limits
     from isograde.runner import Options, processors
@@ -165,13 +182,15 @@ def grade(
     limits = Limits(timeout, memory)
     own = tuple(cases or ())
     jobs = jobs or processors()
-    options = Options(seed, full, tuple(only or ()), limits, jobs, own, budget)
+    part = grading.shard_named(shard)
+    options = Options(seed, full, tuple(only or ()), limits, jobs, own, budget, part)
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:
         grading.grade_all(options, out, kinds, strict, resume)
     else:
-        grading.grade_one(implementation, options, out, kinds, strict, resume)
+        known = grading.Known(expect, write_expect)
+        grading.grade_one(implementation, options, out, kinds, strict, resume, known)
 
 
 @app.command(name="search")
@@ -328,6 +347,22 @@ def diff(before: Path, after: Path) -> None:
     from isograde.commands import comparing
 
     comparing.diff(before, after)
+
+
+@app.command()
+def join(
+    files: Annotated[list[Path], typer.Argument(metavar="REPORT...", help="Every part.")],
+    out: Annotated[Path, typer.Option(help="Folder of the joined report.")] = Path("report"),
+    formats: Annotated[
+        list[Format] | None,
+        typer.Option("--format", help="Beside the JSON lines; by default all of them."),
+    ] = None,
+    strict: Annotated[bool, typer.Option("--strict", help="As of `isograde grade`.")] = False,
+) -> None:
+    """Join the parts of a run that was cut with --shard, and write the whole report."""
+    from isograde.commands import grading
+
+    grading.join_parts(files, out, [kind.value for kind in formats or Format], strict)
 
 
 @app.command()

@@ -25,7 +25,7 @@ from isograde.report import lines
 from isograde.report.lines import JSON, ReportError
 
 # Entries of a header that may differ between two runs of which one goes on with the other.
-FREE = frozenset({"date", "jobs", "arguments", "machine"})
+FREE = frozenset({"date", "jobs", "arguments", "machine", "expected"})
 # Files larger than this are known by their size and time, not by their bytes.
 LARGEST_READ = 1 << 26
 

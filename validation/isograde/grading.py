@@ -15,6 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from isograde.causes import roots
 from isograde.declaration import Declaration
 from isograde.drafts import Draft, fingerprint
 from isograde.errata import PLAN
+from isograde.expectations import Expectations, is_expected
 from isograde.model import (
     BAD,
     CONTOURS,
@@ -38,7 +40,7 @@ from isograde.model import (
     Verdict,
 )
 from isograde.report import lines, reading, record, shown
-from isograde.runner import Evidence, Judged, Options, Task, Worker, plan, run
+from isograde.runner import Evidence, Judged, Options, Task, Worker, part, plan, run
 from isograde.shrinking import shrink
 
 # Keep this share of a budget for the evidence and the pages.
@@ -69,12 +71,13 @@ class Smallest:
     judged: Judged
     samples: int
     of: str = ""
+    expected: bool = False
     follows: bool = False
 
     @property
-    def size(self) -> tuple[bool, bool, int]:
-        """What makes a case small: general position first, then that the claim is the root."""
-        return (not self.judged.general, self.follows, self.samples)
+    def size(self) -> tuple[bool, bool, bool, int]:
+        """What makes a case small: not expected, in general position, the claim the root."""
+        return (self.expected, not self.judged.general, self.follows, self.samples)
 
 
 def grade(
@@ -87,6 +90,7 @@ def grade(
     resume: bool | None = None,
     interruptible: bool = False,
     say: Say | None = None,
+    expected: Expectations | None = None,
 ) -> reading.Report:
     """The report of one implementation, written to `path`.
 
@@ -97,6 +101,8 @@ def grade(
     resume : True insists on an earlier run's draft, False begins anew
     interruptible : Ctrl-C stops as a budget does, with a report at `interrupted(path)`
     say : called with what is worth a sentence meanwhile
+    expected : failures that are known: told in the report, and shown only where a claim has no
+        other
 
     Raises
     ------
@@ -108,7 +114,7 @@ def grade(
         where another process grades into this place; where there is nothing to go on with.
     """
     worker = Worker.open(spec, options)
-    how = Manner(watch, resume, interruptible, say)
+    how = Manner(watch, resume, interruptible, say, expected or {})
     try:
         return graded_by(worker, spec, options, path, arguments, how)
     finally:
@@ -123,6 +129,7 @@ class Manner:
     resume: bool | None = None
     interruptible: bool = False
     say: Say | None = None
+    expected: Expectations = MappingProxyType({})
 
 
 def graded_by(
@@ -135,15 +142,16 @@ def graded_by(
 ) -> reading.Report:
     """The report by an open worker, written to `path`; see `grade`."""
     start, how = time.monotonic(), how or Manner()
-    tasks = plan(options, worker.cases, worker.claims)
+    whole = plan(options, worker.cases, worker.claims)
+    tasks = part(whole, options)
     options = replace(options, jobs=max(1, min(options.jobs, len(tasks) // CASES_PER_JOB)))
-    first = _beginning(spec, tasks, worker, options, arguments)
+    first = _beginning(spec, whole, worker, options, arguments, how.expected)
     with Draft.of(path, first, how.resume) as draft:
-        judging = Judging(worker, options, draft, start)
+        judging = Judging(worker, options, draft, start, how.expected)
         stopped = judging.all(spec, tasks, how)
         records = _records(first, tasks, judging, stopped, start)
         report = reading.gather(records)
-        _write(place_of(path, report), records)
+        lines.write_lines(records, place_of(path, report))
         if stopped is None:
             draft.remove()
     return report
@@ -159,14 +167,19 @@ def place_of(path: Path, report: reading.Report) -> Path:
 
 
 def _beginning(
-    spec: str, tasks: Sequence[Task], worker: Worker, options: Options, arguments: Sequence[str]
+    spec: str,
+    tasks: Sequence[Task],
+    worker: Worker,
+    options: Options,
+    arguments: Sequence[str],
+    expected: Expectations,
 ) -> list[lines.JSON]:
     """The header, and a line for each claim: stated, or in a run of a part judged by some task.
 
     A claim that no task judges is shown too: it is without evidence.
     """
     judged = {name for task in tasks for name in task.claims}
-    header = record.header(called(spec), worker.declaration, options, list(arguments))
+    header = record.header(called(spec), worker.declaration, options, list(arguments), expected)
     header |= {"plan": PLAN, "tasks": checksum(tasks), "fingerprint": fingerprint(spec)}
     claims = [
         record.claim_record(claim, worker.declaration)
@@ -205,26 +218,21 @@ def _records(
     return [*records, lines.plain(footer if stopped is None else {**footer, "stopped": stopped})]
 
 
-def _write(path: Path, records: Sequence[lines.JSON]) -> None:
-    """The report is there, whole; until then what was there before stays."""
-    draft = path.with_name(f".{path.name}.tmp{path.suffix if path.suffix == '.gz' else ''}")
-    try:
-        with lines.open_text(draft, "w") as file:
-            for one in records:
-                lines.write_line(file, one)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
-
-
 class Judging:
     """The judging of a plan: what is known already is not asked again.
 
     earlier : seconds that earlier runs took for what is taken from them
     """
 
-    def __init__(self, worker: Worker, options: Options, draft: Draft, start: float):
-        self.worker, self.options, self.draft = worker, options, draft
+    def __init__(
+        self,
+        worker: Worker,
+        options: Options,
+        draft: Draft,
+        start: float,
+        expected: Expectations = MappingProxyType({}),
+    ):
+        self.worker, self.options, self.draft, self.expected = worker, options, draft, expected
         self.earlier = sum(float(result["seconds"]) for _, result in draft.done.values())
         self.deadline = math.inf if options.budget is None else start + options.budget
         self.smallest: dict[str, Smallest] = {}
@@ -274,7 +282,7 @@ class Judging:
         tally.add(judged)
         if judged.evidence is not None:
             self.judged[judged.case] = judged
-        _keep(self.smallest, judged, case.samples)
+        _keep(self.smallest, judged, case.samples, self.expected)
         kept = {one.judged.case for one in self.smallest.values()}
         self.judged = {name: one for name, one in self.judged.items() if name in kept}
 
@@ -299,7 +307,7 @@ class Judging:
         What an earlier run judged is known by its lines alone; where it has the smallest case of a
         claim, that is judged once more, for its field and its answers.
         """
-        sizes: dict[str, tuple[bool, bool, int]] = {}
+        sizes: dict[str, tuple[bool, bool, bool, int]] = {}
         where: dict[str, Task] = {}
         for task in tasks:
             if task.case not in self.draft.done:
@@ -311,7 +319,8 @@ class Judging:
                 if one["verdict"] in BAD
             }
             for name, root in roots(bad).items():
-                size = (not result["general"], root != name, int(case["samples"]))
+                known = is_expected(self.expected, name, task.case)
+                size = (known, not result["general"], root != name, int(case["samples"]))
                 if name in bad and (name not in sizes or size < sizes[name]):
                     sizes[name], where[name] = size, task
         again: dict[str, Judged] = dict(self.judged)
@@ -321,8 +330,8 @@ class Judging:
                 again[task.case] = self.worker.judge(task)
             judged = again[task.case]
             if name in judged.findings and judged.findings[name].verdict in BAD:
-                _, follows, samples = sizes[name]
-                self.smallest[name] = Smallest(judged, samples, follows=follows)
+                known, _, follows, samples = sizes[name]
+                self.smallest[name] = Smallest(judged, samples, "", known, follows)
 
 
 def spread(tasks: Sequence[Task]) -> list[Task]:
@@ -381,11 +390,14 @@ class Legal:
         return not any(claim.judge(trial).verdict in BAD for claim in claimed)
 
 
-def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
+def _keep(
+    smallest: dict[str, Smallest], judged: Judged, samples: int, expected: Expectations
+) -> None:
     """`smallest` knows this case for each claim that failed on it and on no smaller one.
 
-    A case in general position is shown before one with ties: it is the one that ends a level. One
-    on which the claim is the root comes before one on which it follows from another.
+    A case that was not expected to fail is shown before one that was, and one in general position
+    before one with ties: it is the one that ends a level. One on which the claim is the root comes
+    before one on which it follows from another.
     """
     bad = {name: one.numbers for name, one in judged.findings.items() if one.verdict in BAD}
     root = roots(bad)
@@ -393,7 +405,8 @@ def _keep(smallest: dict[str, Smallest], judged: Judged, samples: int) -> None:
         known = smallest.get(claim)
         if finding.verdict not in BAD:
             continue
-        one = Smallest(judged, samples, follows=root[claim] != claim)
+        listed = is_expected(expected, claim, judged.case)
+        one = Smallest(judged, samples, "", listed, root[claim] != claim)
         if known is None or one.size < known.size:
             smallest[claim] = one
 
@@ -418,7 +431,7 @@ def _shrunk(claim: str, found: Smallest, worker: Worker) -> Smallest:
     less = shrink(worker, case, worker.claims[claim], found.judged)
     if less is None:
         return found
-    return Smallest(less, worker.cases[less.case].samples, case.id)
+    return Smallest(less, worker.cases[less.case].samples, case.id, found.expected)
 
 
 def contrast(

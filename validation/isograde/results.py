@@ -15,7 +15,7 @@ from isograde import report as reports
 from isograde.commands.console import Exit, status_of
 from isograde.report import comparison, words
 from isograde.report.headline import by_level, headline
-from isograde.report.lines import open_text, write_line
+from isograde.report.lines import write_lines
 from isograde.report.page import page
 from isograde.report.reading import Report, Summary
 
@@ -66,14 +66,9 @@ class Grade:
         return found
 
     def save(self, folder: str | Path, formats: Sequence[str] = tuple(reports.FORMATS)) -> Path:
-        """Write report.jsonl and these formats (html, md, junit, badge) to a folder; its path."""
+        """Write report.jsonl, and html, md, junit, badge, shields, to a folder; its path."""
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        draft = place / "report.jsonl.tmp"
-        with open_text(draft, "w") as file:
-            for record in self.report.records:
-                write_line(file, record)
-        draft.replace(place / "report.jsonl")
+        write_lines(self.report.records, place / "report.jsonl")
         reports.write(self.report, place, "report", formats)
         return place
 

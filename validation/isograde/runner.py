@@ -68,6 +68,8 @@ from isograde.model import (
 SHOWN_SAMPLES = 2200
 # Pose a case in every way with ``--full`` up to this many samples.
 POSED_SAMPLES = 40_000
+# Keep the answers to cases up to this many numbers, where they are kept.
+KEPT_SAMPLES = 5_000
 # Leave families of thousands of small cases as they stand: cells and noise are posed instead.
 UNPOSED = frozenset({"pairs", "trilinear"})
 # Give up on an implementation that ran out of time so many times in a row.
@@ -82,6 +84,7 @@ class Options:
     full : every case, and every variant on all but pairs and large cases
     own : files of cases of the user's own, which are added to the plan
     budget : seconds after which no further case is begun; None for all cases
+    shard : (i, n) for the i-th of n parts of the plan, counted from 1
     """
 
     seed: int = 0
@@ -91,6 +94,7 @@ class Options:
     jobs: int = 1
     own: tuple[Path, ...] = ()
     budget: float | None = None
+    shard: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,19 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
     return tasks
 
 
+def part(tasks: Sequence[Task], options: Options) -> Sequence[Task]:
+    """The tasks of this shard: every n-th, so that each part has some of every family.
+
+    >>> tasks = [Task(name, ()) for name in "abcde"]
+    >>> [task.case for task in part(tasks, Options(shard=(2, 3)))]
+    ['b', 'e']
+    """
+    if options.shard is None:
+        return tasks
+    number, of = options.shard
+    return tasks[number - 1 :: of]
+
+
 def _in_all_ways(case: Case, options: Options) -> bool:
     """Whether claims that need variants are judged on the case: where that is affordable."""
     if "posed" in case.tags or case.id in options.only:
@@ -213,13 +230,18 @@ def claims_for(declaration: Declaration) -> dict[str, Claim]:
 
 @dataclass
 class Worker:
-    """One open adapter, and the judging of what comes back through it."""
+    """One open adapter, and the judging of what comes back through it.
+
+    keeps : small cases and their answers are kept, for who asks for one claim after another
+    """
 
     adapter: Adapter
     declaration: Declaration
     cases: Mapping[str, Case]
     claims: Mapping[str, Claim]
     hangs: int = 0
+    keeps: bool = False
+    kept: dict[str, tuple[Trial, dict[str, Outcome]]] = fresh(default_factory=dict)
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
@@ -241,16 +263,24 @@ class Worker:
             gave_up = f"given up after {PATIENCE} calls in a row that ran out of time"
             return _all(case, claims, Finding(Verdict.NOT_RUN, gave_up))
         try:
-            field = case.build()
+            trial, outcomes = self._tried(case)
         except VolumeError as error:
             return _all(case, claims, Finding(Verdict.SKIP, str(error)))
-        return self._judge(case, field, claims)
+        return self._judge(trial, outcomes, claims)
 
-    def _judge(self, case: Case, field: Field, claims: Sequence[Claim]) -> Judged:
-        """Every finding on one case whose field is built."""
-        start = time.perf_counter()
+    def _tried(self, case: Case) -> tuple[Trial, dict[str, Outcome]]:
+        """The case with its field, and the outcomes that were asked for. Raises `VolumeError`."""
+        if case.id in self.kept:
+            return self.kept[case.id]
         outcomes: dict[str, Outcome] = {}
-        trial = Trial(case, field, self.declaration, outcomes)
+        trial = Trial(case, case.build(), self.declaration, outcomes)
+        if self.keeps and case.samples * case.kind.m <= KEPT_SAMPLES:
+            self.kept[case.id] = trial, outcomes
+        return trial, outcomes
+
+    def _judge(self, trial: Trial, outcomes: dict[str, Outcome], claims: Sequence[Claim]) -> Judged:
+        """Every finding on one case whose field is built."""
+        start, case, field = time.perf_counter(), trial.case, trial.field
         self._ask(trial, outcomes, ["plain"])
         findings = {}
         for claim in sorted(claims, key=lambda claim: claim.needs_mesh):

@@ -8,16 +8,19 @@ file with cloudpickle, code and all, as ``pickle:folder/name``. The file goes wh
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import cloudpickle
 
+from isograde.adapters.child import WORKER
 from isograde.adapters.loading import PICKLED
 from isograde.model import AdapterError
 
@@ -33,6 +36,11 @@ def named(implementation: Implementation) -> Iterator[str]:
     ...     print(spec)
     python:isoref.methods:extract
     """
+    if WORKER in os.environ:
+        raise AdapterError(
+            "a module that grades while it is imported cannot be graded itself: put its calls of "
+            'isograde under `if __name__ == "__main__":`'
+        )
     if isinstance(implementation, str):
         yield implementation
         return
@@ -67,11 +75,16 @@ def _importable(function: Callable[..., Any]) -> str | None:
     if module in (None, "__main__") or not name or "<" in name:
         return None
     found: Any = sys.modules.get(module)
-    if found is None or not _stands_on_the_path(module):
+    if found is None or _half_imported(found) or not _stands_on_the_path(module):
         return None
     for part in name.split("."):
         found = getattr(found, part, None)
     return f"python:{module}:{name}" if found is function else None
+
+
+def _half_imported(module: ModuleType) -> bool:
+    """Whether the module's own lines are still running, and may be what asks for its function."""
+    return bool(getattr(getattr(module, "__spec__", None), "_initializing", False))
 
 
 def _stands_on_the_path(module: str) -> bool:
@@ -98,7 +111,11 @@ def _pickled(function: Callable[..., Any]) -> bytes:
     """The function as bytes, with the code of its module where that cannot be imported."""
     name = getattr(getattr(function, "func", function), "__module__", None)
     module = sys.modules.get(name or "")
-    apart = module is not None and name != "__main__" and not _stands_on_the_path(str(name))
+    apart = (
+        module is not None
+        and name != "__main__"
+        and (_half_imported(module) or not _stands_on_the_path(str(name)))
+    )
     if apart:
         cloudpickle.register_pickle_by_value(module)
     try:

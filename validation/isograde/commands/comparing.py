@@ -14,7 +14,7 @@ from isograde.report import comparison, lines, reading, words
 from isograde.report.headline import by_level, headline
 
 
-def _read(path: Path) -> reading.Report:
+def read_report(path: Path) -> reading.Report:
     """The report in a file or in a folder."""
     place = path / "report.jsonl" if path.is_dir() else path
     try:
@@ -28,7 +28,7 @@ def _read(path: Path) -> reading.Report:
 
 def diff(before: Path, after: Path) -> None:
     """What changed between two reports is printed; status 1 where a case broke."""
-    old, new = _read(before), _read(after)
+    old, new = read_report(before), read_report(after)
     found = comparison.changes(old, new)
     for change in found:
         say(f"[bold]{change.claim}[/]: {change.before} → {change.after}")
@@ -46,7 +46,7 @@ def diff(before: Path, after: Path) -> None:
 
 def compare(files: list[Path], out: Path | None) -> None:
     """Reports are printed side by side, or written to `out`."""
-    found = [_read(path) for path in files]
+    found = [read_report(path) for path in files]
     if out is not None:
         if out.suffix not in {".html", ".md"}:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")

@@ -61,11 +61,12 @@ class Exit(IntEnum):
 def status_of(report: Report, strict: bool = False) -> Exit:
     """The status that a report ends with.
 
-    FAILS when a promised claim fails on any case; else NO_EVIDENCE when no promised claim could
-    have failed, or in a full run no known body was judged; else HOLDS. With `strict` a promised
-    claim without evidence fails too. Claims on bad input never change it.
+    FAILS when a promised claim fails on a case on which it was not expected to; else NO_EVIDENCE
+    when no promised claim could have failed, or in a full run no known body was judged; else HOLDS.
+    With `strict` a promised claim without evidence fails too, and a case that was expected to fail
+    and holds. Claims on bad input never change it.
     """
-    if report.broken or (strict and report.unproven):
+    if report.unexpected or (strict and (report.unproven or report.mended)):
         return Exit.FAILS
     return Exit.HOLDS if report.has_evidence else Exit.NO_EVIDENCE
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import typer
@@ -15,15 +16,45 @@ from isograde import report as reports
 from isograde.adapters import ready_made_names
 from isograde.adapters.exchange import TemporaryFull
 from isograde.cases.own import OwnCasesError
+from isograde.commands.comparing import read_report
 from isograde.commands.console import Exit, console, errors, say, status_of, stop
 from isograde.drafts import Busy, NotResumed, unfinished
+from isograde.expectations import (
+    EVERY,
+    FIRM,
+    ExpectationError,
+    Expectations,
+    Expected,
+    expectations,
+    toml,
+)
 from isograde.grading import INTERRUPTED, grade, place_of
 from isograde.model import AdapterError, UnknownName
 from isograde.progress import progress
 from isograde.report import comparison, reading, words
 from isograde.report.findings import causes
-from isograde.report.headline import choices, headline
+from isograde.report.headline import choices, headline, listed
+from isograde.report.joining import JoinError, join
+from isograde.report.lines import write_lines
 from isograde.runner import NothingToRun, Options
+
+
+@dataclass(frozen=True)
+class Known:
+    """The files of expected failures: the one that is read, and the one that is written."""
+
+    read: Path | None = None
+    written: Path | None = None
+
+
+def shard_named(said: str | None) -> tuple[int, int] | None:
+    """Part and number of parts; stops the command for anything that is not I/N, 1 <= I <= N."""
+    if said is None:
+        return None
+    number, _, of = said.partition("/")
+    if not (number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):
+        stop(Exit.WRONG_USE, f"--shard {said}: say I/N, such as 1/4 for the first of four parts")
+    return int(number), int(of)
 
 
 def grade_one(
@@ -33,16 +64,55 @@ def grade_one(
     kinds: list[str],
     strict: bool = False,
     resume: bool | None = None,
+    known: Known = Known(),
 ) -> None:
     """One implementation graded, its report written and told."""
     path = out / "report.jsonl"
     with _faults_told(path):
-        result = _grade(spec, options, path, resume)
+        result = _grade(spec, options, path, resume, expectations(known.read))
         place = place_of(path, result)
         pages = reports.write(result, out, place.stem, kinds)
-    _tell(result)
+        _tell(result)
+        if known.written is not None:
+            _write_expected(result, known.written)
     say(f"\nreport: [bold]{escape(str(pages[0] if pages else place))}[/]")
     raise typer.Exit(_status(result, path, strict))
+
+
+def join_parts(files: list[Path], out: Path, kinds: list[str], strict: bool) -> None:
+    """The parts of a run joined, the whole report written and told."""
+    found = [read_report(path) for path in files]
+    try:
+        result = join(found, [str(path) for path in files])
+    except JoinError as error:
+        stop(Exit.WRONG_USE, str(error))
+    path = out / "report.jsonl"
+    with _faults_told(path):
+        write_lines(result.records, path)
+        pages = reports.write(result, out, "report", kinds)
+    _tell(result)
+    say(f"\nreport: [bold]{escape(str(pages[0] if pages else path))}[/]")
+    raise typer.Exit(status_of(result, strict))
+
+
+def _write_expected(result: reading.Report, path: Path) -> None:
+    """The file lists what failed, with the reasons it had before; what cannot be listed is told."""
+    before = expectations(path) if path.exists() else {}
+    found = {}
+    for summary in result.broken:
+        if summary.id.startswith(FIRM):
+            say(f"[red]{summary.id}[/] is not written: known bodies cannot be expected to fail")
+            continue
+        assert summary.failure is not None
+        known = before.get(summary.id) or result.expected.get(summary.id)
+        reason = known.reason if known is not None else summary.failure.detail
+        found[summary.id] = Expected(reason, tuple(sorted(result.bad_cases[summary.id])))
+    if result.partial:
+        found = {**before, **found}
+    title = f"Known failures of {result.spec}. Say why of each; run with --expect {path.name}."
+    reports.write_whole(path, toml(found, title))
+    count = sum(len(one.cases) for one in found.values())
+    say(f"{count:,} failures of {len(found)} claims are in [bold]{escape(str(path))}[/]")
 
 
 def _status(result: reading.Report, path: Path, strict: bool) -> Exit:
@@ -57,7 +127,13 @@ def _status(result: reading.Report, path: Path, strict: bool) -> Exit:
     return Exit.STOPPED if why == INTERRUPTED else status_of(result, strict)
 
 
-def _grade(spec: str, options: Options, path: Path, resume: bool | None = None) -> reading.Report:
+def _grade(
+    spec: str,
+    options: Options,
+    path: Path,
+    resume: bool | None = None,
+    expected: Expectations | None = None,
+) -> reading.Report:
     """The report of one implementation, with a bar while it is made. Raises `AdapterError`."""
     with progress(spec, by_lines=True) as watch:
         return grade(
@@ -69,6 +145,7 @@ def _grade(spec: str, options: Options, path: Path, resume: bool | None = None) 
             resume=resume,
             interruptible=True,
             say=lambda told: errors.print(told, markup=False),
+            expected=expected,
         )
 
 
@@ -77,7 +154,7 @@ def _faults_told(path: Path) -> Iterator[None]:
     """Whatever ends the making of a report is told, with its status."""
     try:
         yield
-    except UnknownName as error:
+    except (UnknownName, ExpectationError) as error:
         stop(Exit.WRONG_USE, str(error))
     except AdapterError as error:
         stop(Exit.NOT_STARTED, str(error))
@@ -162,6 +239,7 @@ def _tell(result: reading.Report) -> None:
         colour = colours.get(rung.state, "dim")
         table.add_row(str(rung.level), rung.name, f"[{colour}]{escape(words.rung(rung))}[/]")
     console.print(table)
+    _tell_expected(result)
     for cause in causes(result):
         failure = cause.root.failure
         assert failure is not None
@@ -171,3 +249,15 @@ def _tell(result: reading.Report) -> None:
             f"({escape(words.where(cause))}); smallest {escape(failure.case)}, "
             f"{failure.samples} samples"
         )
+
+
+def _tell_expected(result: reading.Report) -> None:
+    """Print what became of the failures that were expected, where some were."""
+    if not result.expected:
+        return
+    for name, cases in result.unexpected.items():
+        told = listed(cases, 5)
+        say(f"[red]not expected[/]: {name} on {len(cases):,} cases: {escape(told)}")
+    for name, cases in result.mended.items():
+        told = "every case" if cases == [EVERY] else listed(cases, 5)
+        say(f"[yellow]expected to fail, and holds[/]: {name} on {escape(told)}; take it out")

@@ -15,7 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from isograde import places
-from isograde.catalogue import kinds_of, read
+from isograde.catalogue import read
 from isograde.commands.console import Exit, console, stop
 
 if TYPE_CHECKING:
@@ -122,6 +122,7 @@ def explain(name: str) -> None:
 
 def _explain(claim: Claim) -> None:
     """Print one claim."""
+    from isograde.cataloguing import kinds_of
     from isograde.model import LEVELS
     from isograde.report.record import families_of, first_line
 

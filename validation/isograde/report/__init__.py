@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from isograde.report.badge import badge
+from isograde.report.badge import badge, shields
 from isograde.report.junit import junit
 from isograde.report.markdown import markdown
 from isograde.report.page import page
@@ -17,6 +17,7 @@ FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
     "md": (".md", markdown),
     "junit": (".junit.xml", junit),
     "badge": (".svg", badge),
+    "shields": (".shields.json", shields),
 }
 
 

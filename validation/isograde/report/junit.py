@@ -1,6 +1,7 @@
 """A report as JUnit XML, which continuous integration knows how to show: a test a claim.
 
-A claim that is not promised is skipped there, whatever it found, as is one without evidence.
+A claim that is not promised is skipped there, whatever it found, as is one without evidence, and
+one that fails as it was expected to.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import xml.etree.ElementTree as ET
 from isograde.report import words
 from isograde.report.findings import causes
 from isograde.report.headline import headline
-from isograde.report.reading import CONVENTIONS, Report, Summary
+from isograde.report.reading import Report, Summary
 
 # Characters that XML 1.0 cannot hold are left out.
 ALLOWED = {9, 10, 13}
@@ -19,8 +20,8 @@ ALLOWED = {9, 10, 13}
 def junit(report: Report) -> str:
     """The report as JUnit XML."""
     summaries = list(report.summaries.values())
-    failures = sum(_fails(summary) for summary in summaries)
-    skipped = sum(not _fails(summary) and summary.state != "pass" for summary in summaries)
+    failures = sum(_fails(report, summary) for summary in summaries)
+    skipped = sum(not _fails(report, one) and one.state != "pass" for one in summaries)
     counts = {"tests": str(len(summaries)), "failures": str(failures), "skipped": str(skipped)}
     root = ET.Element("testsuites", counts)
     suite = ET.SubElement(root, "testsuite", {"name": _plain(headline(report)), **counts})
@@ -39,16 +40,16 @@ def junit(report: Report) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "unicode") + "\n"
 
 
-def _fails(summary: Summary) -> bool:
-    """Whether the claim is a failed test."""
-    return summary.state == "fail" and summary.promised and summary.id not in CONVENTIONS
+def _fails(report: Report, summary: Summary) -> bool:
+    """Whether the claim is a failed test: promised, and bad where it was not expected to be."""
+    return summary.id in report.unexpected
 
 
 def _add(suite: ET.Element, report: Report, summary: Summary, why: str) -> None:
     """The suite has one more test; `why` is what its failure comes from."""
     names = {"classname": _plain(f"{report.name}.{summary.family}"), "name": summary.id}
     test = ET.SubElement(suite, "testcase", names)
-    if _fails(summary):
+    if _fails(report, summary):
         failure = summary.failure
         assert failure is not None
         told = ET.SubElement(test, "failure", {"message": _plain(why)})
@@ -64,7 +65,9 @@ def _add(suite: ET.Element, report: Report, summary: Summary, why: str) -> None:
             )
         )
     elif summary.state != "pass":
-        ET.SubElement(test, "skipped", {"message": words.evidence(summary)})
+        known = report.expected.get(summary.id) if summary.bad else None
+        why = f"expected to fail: {known.reason}" if known is not None else words.evidence(summary)
+        ET.SubElement(test, "skipped", {"message": _plain(why)})
 
 
 def _plain(text: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import gzip
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from importlib.resources import files
@@ -65,6 +65,19 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return str(value)
     return value
+
+
+def write_lines(records: Iterable[Mapping[str, Any]], path: Path) -> None:
+    """The file holds these lines, whole; until then what was there before stays."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.tmp{path.suffix if path.suffix == '.gz' else ''}")
+    try:
+        with open_text(draft, "w") as file:
+            for one in records:
+                write_line(file, one)
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 @cache

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from isograde.expectations import EVERY, Expected
 from isograde.model import BAD, EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.lines import JSON, ReportError, lines
 
@@ -49,6 +50,7 @@ class Failure:
     numbers: Mapping[str, Any]
     of: str = ""
     tied: bool = False
+    expected: bool = False
 
 
 @dataclass
@@ -240,7 +242,7 @@ class Report:
     @property
     def partial(self) -> bool:
         """The run was of a part of the claims or cases, or stopped before the end."""
-        return bool(self.header["only"] or self.stopped)
+        return bool(self.header["only"] or self.stopped or "shard" in self.header)
 
     @property
     def stopped(self) -> JSON | None:
@@ -277,15 +279,18 @@ class Report:
         return summaries
 
     def _explain(self, summary: Summary, result: JSON, finding: JSON) -> None:
-        """The summary knows why a finding is no pass; general position comes before ties."""
+        """The summary knows why a finding is no pass; what was not expected comes first."""
         if finding["verdict"] not in BAD:
             summary.reasons[finding["detail"]] += 1
             return
         samples, tied = self.cases[result["case"]]["samples"], not result["general"]
+        listed = self.expected.get(summary.id)
+        expected = listed is not None and listed.covers(result["case"])
         known = summary.failure
-        if known is None or (tied, samples) < (known.tied, known.samples):
+        size = (expected, tied, samples)
+        if known is None or size < (known.expected, known.tied, known.samples):
             numbers = finding.get("numbers", {})
-            found = Failure(result["case"], samples, finding["detail"], numbers, "", tied)
+            found = Failure(result["case"], samples, finding["detail"], numbers, "", tied, expected)
             summary.failure = found
 
     @cached_property
@@ -394,6 +399,51 @@ class Report:
     def broken(self) -> list[Summary]:
         """The promised claims that failed on some case."""
         return [summary for summary in self.promised if summary.bad]
+
+    @cached_property
+    def expected(self) -> dict[str, Expected]:
+        """The failures that were known beforehand, by claim."""
+        return {
+            name: Expected(said["reason"], tuple(said["cases"]))
+            for name, said in self.header.get("expected", {}).items()
+        }
+
+    @cached_property
+    def bad_cases(self) -> dict[str, list[str]]:
+        """The cases on which each claim is bad."""
+        found: dict[str, list[str]] = {}
+        for result in self.results:
+            for name, verdict, _ in findings_of(result):
+                if verdict in BAD:
+                    found.setdefault(name, []).append(result["case"])
+        return found
+
+    @property
+    def unexpected(self) -> dict[str, list[str]]:
+        """The cases on which a promised claim failed, and was not expected to."""
+        found = {}
+        for summary in self.broken:
+            known = self.expected.get(summary.id)
+            bad = self.bad_cases[summary.id]
+            left = [case for case in bad if known is None or not known.covers(case)]
+            if left:
+                found[summary.id] = left
+        return found
+
+    @property
+    def mended(self) -> dict[str, list[str]]:
+        """The cases on which a claim was expected to fail, and held."""
+        held: dict[str, list[str]] = {name: [] for name in self.expected}
+        for result in self.results:
+            for name in set(result["passed"]) & held.keys():
+                known = self.expected[name]
+                if known.covers(result["case"]) and (known.cases != (EVERY,)):
+                    held[name].append(result["case"])
+        for name, known in self.expected.items():
+            summary = self.summaries.get(name)
+            if known.cases == (EVERY,) and summary is not None and summary.state == "pass":
+                held[name] = [EVERY]
+        return {name: cases for name, cases in held.items() if cases}
 
     @property
     def unproven(self) -> list[Summary]:

@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING
 
 from isograde.cases import PLAN
 from isograde.declaration import Declaration, declaration_json
+from isograde.expectations import Expectations
 from isograde.model import JUDGE_FAULT, Case, Claim, Finding, Kind, Verdict, every_family
 from isograde.report.lines import FORMAT, JSON
 
@@ -51,9 +52,22 @@ LIBRARIES = (
 FIGURES = ("cells", "order")
 
 
-def header(spec: str, declaration: Declaration, options: Options, arguments: list[str]) -> JSON:
+def header(
+    spec: str,
+    declaration: Declaration,
+    options: Options,
+    arguments: list[str],
+    expected: Expectations | None = None,
+) -> JSON:
     """The first line of a report."""
+    part = options.shard
+    known = {
+        name: {"reason": one.reason, "cases": list(one.cases)}
+        for name, one in (expected or {}).items()
+    }
     return {
+        **({"expected": known} if known else {}),
+        **({"shard": dict(zip(("part", "of"), part, strict=True))} if part else {}),
         "record": "header",
         "format": FORMAT,
         "spec": spec,

@@ -74,6 +74,8 @@ def _kept(report: Report) -> str:
         said = "No promise was put to the test: nothing that was judged could have failed."
     else:
         said = "Every promise that could be tested holds on every case tried."
+    if report.expected and n and not report.unexpected:
+        said += " What fails is what was expected to."
     if report.withdrawn:
         said += f" Not promised: {listed(report.withdrawn, 6)}."
     if report.unbodied:
