@@ -56,7 +56,7 @@ def test_the_hole_of_1987_is_found_and_the_smallest_case_is_two_cells(flawed: Pa
 
 def test_every_format_is_written(flawed: Path) -> None:
     names = {path.name for path in flawed.iterdir()}
-    expected = {".jsonl", ".html", ".md", ".junit.xml", ".svg"}
+    expected = {".jsonl", ".html", ".md", ".junit.xml", ".svg", ".shields.json"}
     assert names == {f"report{ending}" for ending in expected}
 
 

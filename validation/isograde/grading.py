@@ -13,6 +13,7 @@ import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from dataclasses import field as fresh
 from itertools import zip_longest
 from pathlib import Path
 from types import MappingProxyType
@@ -129,7 +130,7 @@ class Manner:
     resume: bool | None = None
     interruptible: bool = False
     say: Say | None = None
-    expected: Expectations = MappingProxyType({})
+    expected: Expectations = fresh(default_factory=dict)
 
 
 def graded_by(
