@@ -57,7 +57,7 @@ def test_the_hole_of_1987_is_found_and_the_smallest_case_is_two_cells(flawed: Pa
 def test_every_format_is_written(flawed: Path) -> None:
     names = {path.name for path in flawed.iterdir()}
     expected = {".jsonl", ".html", ".md", ".junit.xml", ".svg", ".shields.json"}
-    assert names == {f"report{ending}" for ending in expected}
+    assert names == {"explorer.html", *(f"report{ending}" for ending in expected)}
 
 
 def test_only_the_formats_asked_for_are_written(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ from typing import Any
 import pytest
 
 from isograde import grading
-from isograde.adapters.child import WORKER
+from isograde.adapters.child import MARK
 from isograde.adapters.functions import Implementation, name_of, named
 from isograde.expectations import FIRM, Expected, Given, expectations
 from isograde.model import Claim
@@ -209,7 +209,7 @@ def parametrize_with_claims(
     AdapterError
         where an implementation does not start.
     """
-    if WORKER in os.environ:
+    if MARK in os.environ:
         return lambda test: test  # The test file is imported for a function in it.
     known = expectations(expected_failures)
     listed: Sequence[Implementation] = list(implementations)

@@ -28,8 +28,6 @@ import psutil
 
 from isograde.model import Limits, Status
 
-# Set in the environment of every child: what runs in one shall not grade in its turn.
-WORKER = "ISOGRADE_CHILD"
 TICK = 0.02
 # Look for grandchildren only every so many ticks: it walks the whole process table.
 FAMILY_TICKS = 10
@@ -84,7 +82,6 @@ class Child:
             stdout=subprocess.PIPE,
             stderr=self.errors,
             pass_fds=extra,
-            env={**os.environ, WORKER: "1"},
             cwd=directory,
             start_new_session=True,
             bufsize=0,

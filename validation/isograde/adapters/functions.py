@@ -20,7 +20,7 @@ from typing import Any
 
 import cloudpickle
 
-from isograde.adapters.child import WORKER
+from isograde.adapters.child import MARK
 from isograde.adapters.loading import PICKLED
 from isograde.model import AdapterError
 
@@ -36,7 +36,7 @@ def named(implementation: Implementation) -> Iterator[str]:
     ...     print(spec)
     python:isoref.methods:extract
     """
-    if WORKER in os.environ:
+    if MARK in os.environ:
         raise AdapterError(
             "a module that grades while it is imported cannot be graded itself: put its calls of "
             'isograde under `if __name__ == "__main__":`'
