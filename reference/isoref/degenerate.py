@@ -77,11 +77,13 @@ class State:
 class Removal:
     """A mesh without degenerate triangles, and what was done to get it.
 
+    kept : for each vertex of it, which vertex of the given mesh that was
     collapsed, flipped, vanished : how many edges, pairs of triangles and pieces
     before, after : the state of the mesh
     """
 
     mesh: Mesh
+    kept: Integers
     collapsed: int
     flipped: int
     vanished: int
@@ -123,14 +125,22 @@ def without_degenerate(mesh: Mesh, *, manifold: bool = True) -> Removal:
     before = state(mesh)
     bare = Mesh(mesh.vertices, mesh.simplices)
     if not manifold:
-        welded = _welded(bare)
-        gone = len(mesh.vertices) - len(welded.vertices)
-        return Removal(welded, gone, 0, 0, before, state(welded))
-    bare, vanished = _without_points(bare)
-    surgery = _Surgery(bare)
+        rows = _welded(bare)
+        gone = len(np.unique(mesh.simplices)) - len(np.unique(rows))
+        return _removal(bare, rows, gone, 0, 0, before)
+    extended, vanished = _extended(bare)
+    surgery = _Surgery(Mesh(mesh.vertices, mesh.simplices[extended]))
     collapsed, flipped = surgery.run()
-    result = surgery.mesh()
-    return Removal(result, collapsed, flipped, vanished, before, state(result))
+    return _removal(bare, surgery.rows(), collapsed, flipped, vanished, before)
+
+
+def _removal(
+    mesh: Mesh, rows: Integers, collapsed: int, flipped: int, vanished: int, before: State
+) -> Removal:
+    """What was done, with the mesh of these triangles on the vertices that they use."""
+    left = Mesh(mesh.vertices, rows)
+    left = only(left, np.ones(len(rows), np.bool_))
+    return Removal(left, np.unique(rows), collapsed, flipped, vanished, before, state(left))
 
 
 def state(mesh: Mesh) -> State:
@@ -182,23 +192,23 @@ def degenerate(mesh: Mesh) -> Booleans:
     return np.asarray(doubled <= 4 * step * longest)
 
 
-def _welded(mesh: Mesh) -> Mesh:
-    """One vertex where there were several at one place, and the triangles that keep three."""
-    places, number = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    a, b, c = number.reshape(-1)[mesh.simplices].T
-    kept = (a != b) & (b != c) & (c != a)
-    return Mesh(places, np.stack([a, b, c], axis=1)[kept])
+def _welded(mesh: Mesh) -> Integers:
+    """The triangles that keep three corners where vertices at one place are the first of them."""
+    _, first, number = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
+    rows = first[number.reshape(-1)][mesh.simplices].astype(mesh.simplices.dtype)
+    a, b, c = rows.T
+    return np.asarray(rows[(a != b) & (b != c) & (c != a)])
 
 
-def _without_points(mesh: Mesh) -> tuple[Mesh, int]:
-    """The mesh without the pieces that are points, and their number."""
+def _extended(mesh: Mesh) -> tuple[Booleans, int]:
+    """Which triangles belong to pieces that are no points, and how many pieces are."""
     if not len(mesh.simplices):
-        return mesh, 0
+        return np.zeros(0, np.bool_), 0
     number = regions(mesh)
     sides = mesh.vertices[mesh.simplices] - mesh.vertices[mesh.simplices][:, [1, 2, 0]]
     flat = (sides == 0).all(axis=(1, 2))
     extended = np.bincount(number, ~flat) > 0
-    return only(mesh, extended[number]), int((~extended).sum())
+    return extended[number], int((~extended).sum())
 
 
 class _Surgery:
@@ -214,11 +224,10 @@ class _Surgery:
                 self.round[v].add(number)
         self.flat = set(np.flatnonzero(degenerate(mesh)).tolist())
 
-    def mesh(self) -> Mesh:
-        """What is left, on the vertices that are used."""
+    def rows(self) -> Integers:
+        """(T, 3) the triangles that are left."""
         left = [triangle for triangle in self.triangles if triangle is not None]
-        rows = np.array(left, self.whole).reshape(-1, 3)
-        return only(Mesh(self.vertices, rows), np.ones(len(rows), np.bool_))
+        return np.array(left, self.whole).reshape(-1, 3)
 
     def run(self) -> tuple[int, int]:
         """Collapse what can be collapsed, then flip once; how often each was done."""
