@@ -231,7 +231,7 @@ def test_the_lines_of_a_page_begin_with_the_whole_source(name: str) -> None:
     from isograde.report.snippet import _begun
 
     names: dict[str, Any] = {}
-    text = "\n".join(_begun(READY_MADE[name].source, 2))
+    text = "\n".join(_begun(READY_MADE[name].source, []))
     exec(text, names)
     assert callable(names["extract"])
     assert text.count("import numpy as np") == 1

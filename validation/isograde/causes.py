@@ -55,7 +55,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "bodies.centroid": ("bodies.distance", "bodies.offset", "accuracy.*"),
     "bodies.offset": ("bodies.distance", "bodies.degree", "accuracy.*"),
     "bodies.distance": ("accuracy.*",),
-    "structure.apart": ("structure.with_measure", "cells.perfect"),
+    "structure.apart": ("structure.with_measure", "topology.raw", "cells.perfect"),
 }  # fmt: skip
 ORDER = tuple(FOLLOWS)
 # Two findings with few faults each are of different places where these are so many cells apart.

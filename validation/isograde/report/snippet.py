@@ -9,17 +9,39 @@ grades the case again.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from math import factorial
 from textwrap import indent
 from typing import Any
 
 import numpy as np
 
+from isograde.cases.bodies import ISOVALUES
 from isograde.report.lines import JSON
 from isograde.report.reading import CONVENTIONS, Report, Summary
+from isograde.report.shows import (
+    BODIES,
+    CONTOUR_SHOWS,
+    CROSSING,
+    CROWDED,
+    DIFFERS,
+    IN_CELLS,
+    OPEN,
+    SCAN,
+    SHEETS,
+    SHOWS,
+    SIDES,
+    SURFACE_SHOWS,
+    VERTICES,
+    WANTED,
+)
 from isograde.variants import symmetry_of
 
 # Print so many numbers at most.
 PRINTED = 400
+# Known bodies that a formula of one line makes.
+BODY_NAME = re.compile(r"bodies/(2|3)-1/(circle|sphere)-\d+-(?P<type>\w+)")
 
 PYTHON_FILE = 'import runpy\n\nextract = runpy.run_path("{module}")["{function}"]'
 PYTHON = "from {module} import {function} as extract"
@@ -52,97 +74,6 @@ CALL_SEVERAL = """# m fields at once, or one argument for each.
 several = len(signature(extract).parameters) > 3
 given = (*{values}, *{isovalue}) if several else ({values}, {isovalue})
 answer = extract(*given, {spacing})"""
-FACETS = """
-# Facets (ends, edges, ..) with the number of simplices that have each.
-sides = [np.delete(simplices, corner, axis=1) for corner in range(simplices.shape[1])]
-facets, uses = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_counts=True)
-"""
-SHOW_OPEN = (
-    FACETS
-    + """
-# Inside the lattice each has two; on the border one will do.
-for facet in vertices[facets[uses % 2 == 1]]:
-    flat = (facet == facet[0]).all(axis=0)
-    border = flat & ((abs(facet[0] - low) < 1e-6) | (abs(facet[0] - high) < 1e-6))
-    if not border.any():
-        wrong.append(f"open at {facet.tolist()}")
-"""
-)
-SHOW_CROWDED = (
-    FACETS
-    + """
-for facet, count in zip(vertices[facets], uses):
-    if count > 2:
-        wrong.append(f"{count} simplices meet at {facet.tolist()}")
-"""
-)
-SHOW_SHEETS = """
-# Round a vertex the simplices hang together by the facets that hold it: there is one sheet.
-for vertex in np.unique(simplices):
-    left = [set(row) for row in simplices.tolist() if vertex in row]
-    sheet = [left.pop()]
-    for one in sheet:
-        near = [other for other in left if len(one & other) == len(one) - 1]
-        left = [other for other in left if other not in near]
-        sheet += near
-    if left:
-        wrong.append(f"several sheets meet at {vertices[vertex].tolist()}")
-"""
-SHOW_TURNED = """
-# Two simplices that share a facet give it opposite orientations: the signs add up to zero.
-total, uses = {}, {}
-for row in simplices.tolist():
-    for corner in range(len(row)):
-        facet = row[:corner] + row[corner + 1 :]
-        swaps = sum(a > b for i, a in enumerate(facet) for b in facet[i + 1 :])
-        key = tuple(sorted(facet))
-        total[key] = total.get(key, 0) + (-1) ** (corner + swaps)
-        uses[key] = uses.get(key, 0) + 1
-for key in total:
-    if uses[key] == 2 and total[key]:
-        wrong.append(f"turned opposite ways at {vertices[list(key)].tolist()}")
-"""
-SHOW_TWICE = """
-same, count = np.unique(np.sort(simplices, axis=1), axis=0, return_counts=True)
-wrong += [f"{row.tolist()} is there more than once" for row in same[count > 1]]
-"""
-SHOW_UNUSED = """
-wrong += [f"no simplex uses vertex {i}" for i in np.setdiff1d(np.arange(len(vertices)), simplices)]
-"""
-SHOW_APART = """
-places, count = np.unique(vertices, axis=0, return_counts=True)
-wrong += [f"{c} vertices at {p.tolist()}" for p, c in zip(places, count) if c > 1]
-"""
-SHOW_RANGE = """
-wrong += [f"{row.tolist()} of {len(vertices)} vertices" for row in simplices
-          if row.min() < 0 or row.max() >= len(vertices)]
-"""
-SHOW_REPEATED = """
-wrong += [f"{row} names a vertex twice" for row in simplices.tolist() if len({*row}) < len(row)]
-"""
-SHOW_FINITE = """
-bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-wrong += [f"vertex {i} is {vertices[i].tolist()}" for i in bad]
-"""
-SHOW_FLAT = """
-for row in simplices:
-    sides = vertices[row[1:]] - vertices[row[0]]
-    if abs(np.linalg.det(sides @ sides.T)) < 1e-24:
-        wrong.append(f"no measure: {vertices[row].tolist()}")
-"""
-SHOWS = {
-    "topology.closed": SHOW_OPEN,
-    "topology.ties": SHOW_OPEN,
-    "topology.manifold": SHOW_CROWDED,
-    "topology.oriented": SHOW_TURNED,
-    "structure.no_duplicate": SHOW_TWICE,
-    "structure.all_used": SHOW_UNUSED,
-    "structure.apart": SHOW_APART,
-    "structure.in_range": SHOW_RANGE,
-    "structure.no_repeated_index": SHOW_REPEATED,
-    "structure.finite": SHOW_FINITE,
-    "structure.with_measure": SHOW_FLAT,
-}
 # Two answers that should be one have as many simplices, and the same vertices.
 SHOW_COUNTS = """
 if len(posed_simplices) != len(simplices):
@@ -162,9 +93,11 @@ found = []
 for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
     ends = (points / spacing).round(4)[rows]
     pairs = np.concatenate([ends[:, [0, 1]], ends[:, [1, 2]], ends[:, [2, 0]]])
+    middle, top = pairs.mean(axis=1), np.array(values.shape) - 1
+    pairs = pairs[((middle > {least}) & (middle < top - {least})).all(axis=1)]
     flat = ((pairs[:, 0] == pairs[:, 1]) & (pairs[:, 0] == pairs[:, 0].round())).any(axis=1)
-    found.append({tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()})
-wrong += [f"from {a} to {b} in one answer only" for a, b in sorted(found[0] ^ found[1])]
+    found.append({{tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()}})
+wrong += [f"from {{a}} to {{b}} in one answer only" for a, b in sorted(found[0] ^ found[1])]
 """
 BACK_SPACING = """
 # Back to the spacing of the field.
@@ -176,44 +109,175 @@ places = posed_vertices / posed_spacing
 places = np.where({mirrored}, {last} - places, places)[:, {order}]
 posed_vertices = places * spacing
 """
-# Variants that leave every vertex where it is.
-SAME_PLACES = frozenset({
-    "repeat", "scale", "shift", "fortran", "strided", "backwards", "float32", "float64", "int16",
-    "uint8", "components",
-})  # fmt: skip
+BACK_TRANSLATION = """
+# Back to the samples of the field; what is beyond them, or at their border, is not compared.
+posed_vertices = posed_vertices - {cells} * np.array(spacing)
+"""
+# How the samples of a variant lie in memory, where that is what is asked.
+LAYOUTS = {
+    "fortran": "posed_values = np.asfortranarray(posed_values)",
+    "strided": "posed_values = np.repeat(np.repeat(posed_values, 2, 0), 2, -1)[::2, ..., ::2]",
+    "backwards": "posed_values = np.array(posed_values[..., ::-1, :], order='C')[..., ::-1, :]",
+    "read-only": "posed_values.flags.writeable = False",
+    "stride-0": "same = [np.ptp(posed_values, a).max() for a in range(posed_values.ndim)]\n"
+    "axis = same.index(0)"
+    "\nposed_values = np.broadcast_to(np.take(posed_values, [0], axis), posed_values.shape)",
+}
 SHOW_NOTHING = """
 wrong += [f"{len(posed_simplices)} simplices, {meaning}"] if len(posed_simplices) else []
 """
+SHOW_AGAIN = """
+# The same arrays each time, number for number.
+for _ in range(4):
+    posed_vertices, posed_simplices = arrays(extract({values}), {n}, {k})
+    if not (np.array_equal(vertices, posed_vertices)
+            and np.array_equal(simplices, posed_simplices)):
+        wrong.append("another call gives other arrays")
+"""
+ANSWERS = """
+wrong = []
+try:
+    extract({values})
+except Exception as error:
+    wrong.append(repr(error))
+"""
+SHAPES = """
+wrong, answer = [], extract({values})
+if isinstance(answer, tuple):
+    vertices, simplices = map(np.asarray, answer)
+    if vertices.ndim != 2 or vertices.shape[1] != {n} or vertices.dtype.kind not in "fiu":
+        wrong.append(f"vertices: {{vertices.dtype}} of shape {{vertices.shape}}")
+    if simplices.ndim != 2 or simplices.shape[1] != {k} + 1 or simplices.dtype.kind not in "iu":
+        wrong.append(f"simplices: {{simplices.dtype}} of shape {{simplices.shape}}")
+"""
+CHANGED = """
+before, wrong = values.copy(), []
+extract({values})
+if not np.array_equal(before, values, equal_nan=values.dtype.kind == "f"):
+    wrong.append("the samples that were given have been written over")
+"""
+# Claims that are judged on the call itself, before anything is made of its answer.
+ON_CALL = {
+    "structure.answers": ANSWERS,
+    "structure.shapes": SHAPES,
+    "robustness.input_unmodified": CHANGED,
+}
 ENDED = """
 print(*wrong, sep="\\n")
 assert not wrong, {rule}
 """
-PRINT = """
-# {detail}
-print(vertices)
-print(simplices)
+# What some of the lines import, by a word that they use.
+IMPORTS = {
+    "signature(": "from inspect import signature",
+    "Counter(": "from collections import Counter",
+    "combinations(": "from itertools import combinations",
+    "product(": "from itertools import product",
+    "linprog(": "from scipy.optimize import linprog",
+    "label(": "from scipy.ndimage import label",
+}
+SPHERE = """
+# A {name} of radius {radius}, in cells, and the lattice that holds it.
+centre, radius = np.array({centre}), {radius}
+places = np.stack(np.meshgrid(*map(np.arange, {shape}), indexing="ij"), axis=-1)
+values = {values}
+isovalue, spacing = ({isovalue},), (1.0,) * {n}
 """
+# How samples are made of a distance, by their type, as `isograde.cases.bodies` makes them.
+SAMPLED = {
+    "float64": "{depth} + {isovalue}",
+    "float32": "({depth} + {isovalue}).astype(np.float32)",
+    "uint8": "np.clip(np.rint({depth} * {scale} + {isovalue}), 0, 255).astype(np.uint8)",
+    "int16": "np.rint({depth} * {scale} + {isovalue}).astype(np.int16)",
+}
 
 
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
     record = report.evidence.get(summary.id)
     call = calling(report.spec, report.declaration.get("given", "samples"))
-    if summary.id in CONVENTIONS:
+    if summary.id in CONVENTIONS or call is None:
         return None  # There an error is right, or none is, as it is declared.
-    if record is None or call is None or not 0 < len(record["values"]) <= PRINTED:
+    if summary.id in BODIES:
+        return _of_body(report, summary, call.strip())
+    if record is None or not 0 < len(record["values"]) <= PRINTED:
         return None
     if len(record.get("posed", {}).get("values", [])) > 2 * PRINTED:
         return None
     n, m = record["kind"]
-    lines = [*_begun(call.strip(), m), "", ANSWER, ""]
+    house = _house(report.declaration)
+    lines = [ANSWER, ""]
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
-    house = _house(report.declaration)
-    lines += [_samples(record, m), _asked(n, m), *_some(house.format(prefix=""))]
-    if "border" in SHOWS.get(summary.id, ""):
+    lines.append(_samples(record, m))
+    if summary.id in ON_CALL:
+        return _on_call(record, summary, call.strip(), lines)
+    shown = _shows(report, record, summary, house)
+    if shown is None:
+        return None
+    lines += [_asked(n, m), *_some(house.format(prefix=""))]
+    if any("border" in line for line in shown):
         lines.append(_ends(report.declaration, record["shape"]))
-    return "\n".join([*lines, *_shows(record, summary, house)]) + "\n"
+    if any("inset" in line for line in shown):
+        lines.append(f"inset = np.array({_insets(report.declaration, n)})")
+    return _whole(call.strip(), [*lines, *shown])
+
+
+def _whole(call: str, lines: list[str]) -> str:
+    """The program: imports, what defines `extract`, and these lines."""
+    body = "\n".join(lines)
+    needed = [line for word, line in IMPORTS.items() if word in body]
+    return "\n".join([*_begun(call, needed), "", body]) + "\n"
+
+
+def _on_call(record: JSON, summary: Summary, call: str, lines: list[str]) -> str | None:
+    """The program that asks once and looks at what the call itself does."""
+    n, m = record["kind"]
+    if record["finding"]["verdict"] in ("crash", "timeout") or m > 1:
+        return None
+    # A claim on all calls is shown on the variant that it names.
+    values, posed = "values, isovalue[0], spacing", record.get("posed")
+    if posed is not None:
+        if not posed["values"]:
+            return None
+        lines = [*lines[:-1], _samples(posed, m)]
+    text = ON_CALL[summary.id].format(values=values, n=n, k=n - m)
+    ended = ENDED.format(rule=ascii(str(summary.claim["rule"]))).rstrip()
+    return _whole(call, [*lines, text.rstrip() + ended])
+
+
+def _of_body(report: Report, summary: Summary, call: str) -> str | None:
+    """The program that makes a sphere or a circle, extracts it and measures what came."""
+    failure = summary.failure
+    found = None if failure is None else BODY_NAME.fullmatch(failure.case)
+    if failure is None or found is None or report.declaration["mesh"] != "indexed":
+        return None
+    from isograde.cases import all_cases
+
+    body = all_cases(report.header["seed"])[failure.case].facts["body"]
+    n, kind = body.n, found["type"]
+    depth = "(radius - np.linalg.norm(places - centre, axis=-1))"
+    scale = {"uint8": "255 / 16", "int16": "256"}.get(kind, "1")
+    level = ISOVALUES[kind]
+    numbers = {
+        "n": n, "bound": failure.numbers.get("bound"), "volume": body.volume,
+        "factorial": factorial(n), "factorial_k": factorial(n - 1), "sign": 1,
+    }  # fmt: skip
+    lines = [
+        ANSWER,
+        SPHERE.format(
+            name=body.name, radius=body.radii[0], centre=body.centroid.tolist(), shape=body.shape,
+            values=SAMPLED[kind].format(depth=depth, isovalue=level, scale=scale),
+            isovalue=level, n=n,
+        ),
+        _asked(n, 1),
+        *_some(_house(report.declaration).format(prefix="")),
+    ]  # fmt: skip
+    turned = turns(report.declaration, n)
+    if turned:
+        lines.append("simplices = simplices[:, ::-1]  # Its normals point to higher values.")
+    shown = f"\nwrong = []{BODIES[summary.id].format(**numbers).rstrip()}"
+    ended = ENDED.format(rule=ascii(str(summary.claim["rule"]))).rstrip()
+    return _whole(call, [*lines, shown + ended])
 
 
 def _some(text: str) -> list[str]:
@@ -221,15 +285,14 @@ def _some(text: str) -> list[str]:
     return [text] if text else []
 
 
-def _begun(call: str, m: int) -> list[str]:
+def _begun(call: str, needed: Sequence[str]) -> list[str]:
     """The imports, and the lines that define `extract`."""
     first, _, rest = call.partition("\n\n\n")
     imports = first.split("\n") if rest and "def " not in first and "=" not in first else []
     lines = rest if imports else call
     imports = [line for line in imports if line != "import numpy as np"]
-    if m > 1:
-        imports.append("from inspect import signature")
-    return [*sorted(imports), *[""] * bool(imports), "import numpy as np", "", "", lines]
+    imports = sorted({*imports, *needed})
+    return [*imports, *[""] * bool(imports), "import numpy as np", "", "", lines]
 
 
 def _house(declaration: JSON) -> str:
@@ -269,36 +332,108 @@ def _asked(n: int, m: int, prefix: str = "") -> str:
     return f"{call}\n{prefix}vertices, {prefix}simplices = arrays(answer, {n}, {n - m})"
 
 
-def _shows(record: JSON, summary: Summary, house: str) -> list[str]:
-    """The lines that show what is wrong."""
+def _insets(declaration: JSON, n: int) -> list[float]:
+    """How far inside the lattice the mesh ends, along each axis."""
+    ends = declaration["domain"]
+    return [max(end["inset"], 0.0) for end in (ends if len(ends) == n else ends[:1] * n)]
+
+
+def turns(declaration: JSON, n: int) -> bool:
+    """The simplices are turned the other way than det(-g_1, .., -g_m, t_1, .., t_k) > 0."""
+    said = declaration["conventions"]
+    reflected = said["axes"] == "reversed" and n // 2 % 2 == 1
+    return bool((said["normals"] == "to_high") != reflected)
+
+
+def _shows(report: Report, record: JSON, summary: Summary, house: str) -> list[str] | None:
+    """The lines that show what is wrong; None where none are known."""
     n, m = record["kind"]
-    rule, detail = str(summary.claim["rule"]), record["finding"]["detail"]
-    posed = record.get("posed")
+    rule, posed = str(summary.claim["rule"]), record.get("posed")
     ended = ENDED.format(rule=ascii(rule)).rstrip()
+    if summary.id == "robustness.deterministic":
+        call = "values, isovalue[0], spacing" if m == 1 else "*given, spacing"
+        raw = f"\nvertices, simplices = arrays(answer, {n}, {n - m})\nwrong = []"
+        return [f"{raw}{SHOW_AGAIN.format(values=call, n=n, k=n - m).rstrip()}{ended}"]
+    if posed is not None and summary.id.split(".")[0] not in COMPARED:
+        return None
     if posed is not None and len(posed["shape"]) == n and posed["values"]:
-        compared = _compared(posed, n, m).rstrip()
+        compared = _compared(posed, n, m)
+        if compared is None:
+            return None
         return [
             f"\n# The same, {' '.join(posed['meaning'].split())}.",
             _samples(posed, m, "posed_"),
+            *_some(LAYOUTS.get(posed["variant"], "")),
             _asked(n, m, "posed_"),
             *_some(house.format(prefix="posed_")),
-            f"\nmeaning, wrong = {posed['meaning']!a}, []{compared}{ended}",
+            f"\nmeaning, wrong = {posed['meaning']!a}, []{compared.rstrip()}{ended}",
         ]
-    show = SHOWS.get(summary.id)
-    if summary.id == "topology.manifold" and "vertices" in record["finding"].get("numbers", {}):
-        show = SHOW_SHEETS
-    if show is None:
-        return [PRINT.format(detail=" ".join(detail.split())).rstrip()]
-    return [f"\nwrong = []{show.rstrip()}{ended}"]
+    show = _show_of(report.declaration, record, summary.id)
+    return None if show is None else [f"\nwrong = []{show.rstrip()}{ended}"]
 
 
-def _compared(posed: JSON, n: int, m: int) -> str:
+# Families of claims that compare the answers to two ways to pose a case.
+COMPARED = ("symmetry", "robustness")
+
+
+def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
+    """The lines that look for what this claim forbids, for this family; None where none are."""
+    kind, numbers = tuple(record["kind"]), record["finding"].get("numbers", {})
+    n, m = kind
+    interpolant, vertices = declaration["interpolant"], declaration["vertices"]
+    ends = {end["end"] for end in declaration["domain"]}
+    edges, whole = vertices == "edges", all(end["inset"] == 0 for end in declaration["domain"])
+    text = SHOWS.get(claim)
+    if claim == "topology.manifold" and "vertices" in numbers:
+        text = SHEETS
+    elif claim == "topology.raw":
+        told = [name for name, count in numbers.items() if count]
+        one, more = (any(word in name for name in told) for word in ("of one", "of more"))
+        text = OPEN if one else CROWDED if more else SHEETS
+    elif claim == "topology.sides" and m <= 2 and "periodic" not in ends:
+        text = SIDES
+    elif claim == "geometry.embedded":
+        text = CROSSING
+    elif claim in ("geometry.vertices", "geometry.crossing") and m == 1 and ends == {"open"}:
+        text = _vertices_of(interpolant, vertices) if whole or vertices == "cells" else None
+    elif edges and whole and interpolant in ("multilinear", "labels"):
+        of_kind = {(3, 1): SURFACE_SHOWS, (2, 1): CONTOUR_SHOWS}.get(kind, {})
+        text = of_kind.get(claim, text)
+    if claim == "topology.scan" and kind == (3, 1):
+        text = SCAN if numbers.get("pieces") != numbers.get("pieces_wanted") else None
+        text = text if whole else None
+    if text is None:
+        return None
+    tie = ">=" if declaration["conventions"]["tie"] == "inside" else ">"
+    signed = declaration["conventions"]["normals"] != "none" and n > m
+    sign = -1 if turns(declaration, n) else 1
+    return text.format(
+        n=n, m=m, sign=sign, tie=tie, signed=signed,
+        differs=DIFFERS["signed" if signed else "unsigned"].format(sign=sign),
+        wanted=WANTED.get(claim, WANTED["topology.bilinear"]),
+        kuhn=interpolant == "kuhn", crossing=claim == "geometry.crossing",
+        share="0.5" if interpolant == "labels" else "(isovalue[0] - a) / (b - a)",
+    )  # fmt: skip
+
+
+def _vertices_of(interpolant: object, vertices: object) -> str | None:
+    """The lines on where vertices may be, of families for which that is a few lines."""
+    if vertices == "cells":
+        return IN_CELLS
+    return VERTICES if vertices == "edges" and isinstance(interpolant, str) else None
+
+
+def _compared(posed: JSON, n: int, m: int) -> str | None:
     """The lines that compare the answer to a variant, brought back, with the plain one."""
     name = posed["variant"]
-    segments = SHOW_SEGMENTS if (n, m) == (3, 1) else ""
-    if name in SAME_PLACES:
-        return SHOW_COUNTS + SHOW_PLACES.lstrip("\n") + segments
-    if name in ("above", "below"):
+    surfaces = (n, m) == (3, 1)
+    segments = SHOW_SEGMENTS.format(least=-1) if surfaces else ""
+    if name.startswith("translate"):
+        if not surfaces:
+            return None
+        moved = BACK_TRANSLATION.format(cells=2 if name.endswith("-2") else 1)
+        return moved + SHOW_SEGMENTS.format(least=0)
+    if name in ("above", "below", "infinite"):
         return SHOW_NOTHING
     if name == "spacing":
         return BACK_SPACING + SHOW_PLACES + segments
@@ -308,7 +443,8 @@ def _compared(posed: JSON, n: int, m: int) -> str:
         back = np.argsort(order).tolist()
         moved = BACK_SYMMETRY.format(mirrored=list(mirrored), last=last, order=back)
         return moved + SHOW_PLACES + segments
-    return SHOW_COUNTS
+    # Whatever else is asked leaves every vertex where it is.
+    return SHOW_COUNTS + SHOW_PLACES.lstrip("\n") + segments
 
 
 def calling(spec: str, given: str = "samples") -> str | None:
