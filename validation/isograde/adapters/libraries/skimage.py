@@ -8,6 +8,29 @@ def surface(values, isovalue, spacing, method):
     return marching_cubes(values, isovalue, spacing=spacing, method=method)[:2]
 
 
+def masked(values, isovalue, spacing):
+    """The surface of all cells, each of them asked for by a mask."""
+    import numpy as np
+    from skimage.measure import marching_cubes
+
+    everywhere = np.ones(values.shape, bool)
+    return marching_cubes(values, isovalue, spacing=spacing, mask=everywhere)[:2]
+
+
+def in_steps(values, isovalue, spacing):
+    """The surface of every second sample along each axis."""
+    from skimage.measure import marching_cubes
+
+    return marching_cubes(values, isovalue, spacing=spacing, step_size=2)[:2]
+
+
+def without_degenerate(values, isovalue, spacing):
+    """The surface without the triangles that have no area."""
+    from skimage.measure import marching_cubes
+
+    return marching_cubes(values, isovalue, spacing=spacing, allow_degenerate=False)[:2]
+
+
 def contours(values, isovalue, spacing):
     """Contours with high values on their left."""
     from skimage.measure import find_contours
@@ -37,6 +60,31 @@ METHODS = {
             "conventions": _CONVENTIONS,
             "limits": {"least": 2},
             "notes": "computes in float32",
+        },
+    },
+    "skimage:masked": {
+        "function": "masked",
+        "declaration": {
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 2},
+            "notes": "lewiner with a mask that holds every sample",
+        },
+    },
+    "skimage:step-2": {
+        "function": "in_steps",
+        "declaration": {
+            "vertices": {"own": 2.0},
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 3},
+            "notes": "lewiner on every second sample, step_size=2",
+        },
+    },
+    "skimage:no-degenerate": {
+        "function": "without_degenerate",
+        "declaration": {
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 2},
+            "notes": "lewiner with allow_degenerate=False",
         },
     },
     "skimage:find-contours": {
