@@ -10,18 +10,10 @@ def surface(values, isovalue, spacing, method):
 
 def masked(values, isovalue, spacing):
     """The surface of all cells, each of them asked for by a mask."""
-    import numpy as np
     from skimage.measure import marching_cubes
 
-    everywhere = np.ones(values.shape, bool)
+    everywhere = values.astype(bool) | True
     return marching_cubes(values, isovalue, spacing=spacing, mask=everywhere)[:2]
-
-
-def in_steps(values, isovalue, spacing):
-    """The surface of every second sample along each axis."""
-    from skimage.measure import marching_cubes
-
-    return marching_cubes(values, isovalue, spacing=spacing, step_size=2)[:2]
 
 
 def without_degenerate(values, isovalue, spacing):
@@ -68,15 +60,6 @@ METHODS = {
             "conventions": _CONVENTIONS,
             "limits": {"least": 2},
             "notes": "lewiner with a mask that holds every sample",
-        },
-    },
-    "skimage:step-2": {
-        "function": "in_steps",
-        "declaration": {
-            "vertices": {"own": 2.0},
-            "conventions": _CONVENTIONS,
-            "limits": {"least": 3},
-            "notes": "lewiner on every second sample, step_size=2",
         },
     },
     "skimage:no-degenerate": {
