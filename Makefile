@@ -7,7 +7,7 @@ EXTRAS ?= peers,data,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports catalogue docs clean
+.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports league catalogue docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -18,6 +18,7 @@ help:
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
+	@echo "make league      build and grade every package of validation/league, and write the page to choose by"
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make docs        the site, in docs/_build"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
@@ -61,6 +62,10 @@ reports: $(STAMP)
 
 catalogue: $(STAMP)
 	$(BIN)/python -m isograde.cataloguing
+
+# Goes on where it was cut off; a package that cannot be had costs its own row.
+league: $(STAMP)
+	$(BIN)/python validation/league/league.py
 
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

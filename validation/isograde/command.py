@@ -369,11 +369,14 @@ def join(
 def compare(
     files: Annotated[list[Path], typer.Argument(metavar="REPORT...")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="An .html or .md file.")] = None,
+    choose: Annotated[
+        bool, typer.Option("--choose", help="The page to choose by instead, a row each: .html.")
+    ] = False,
 ) -> None:
     """Lay reports side by side: claims down, implementations across."""
     from isograde.commands import comparing
 
-    comparing.compare(files, out)
+    comparing.compare(files, out, choose=choose)
 
 
 @app.command()

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.commands.console import Exit, console, errors, say, stop
-from isograde.report import comparison, lines, reading, words
+from isograde.report import choosing, comparison, lines, reading, words
 from isograde.report.headline import by_level, headline
 
 
@@ -44,14 +44,20 @@ def diff(before: Path, after: Path) -> None:
     raise typer.Exit(Exit.FAILS if any(change.broken for change in found) else Exit.HOLDS)
 
 
-def compare(files: list[Path], out: Path | None) -> None:
-    """Reports are printed side by side, or written to `out`."""
+def compare(files: list[Path], out: Path | None, *, choose: bool = False) -> None:
+    """Reports are printed side by side, or written to `out`: a matrix, or rows to choose by."""
+    if choose and (out is None or out.suffix != ".html"):
+        stop(Exit.WRONG_USE, "--choose writes a page: name an .html file with --out")
     found = [read_report(path) for path in files]
     if out is not None:
         if out.suffix not in {".html", ".md"}:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
-        page = comparison.comparison_page(found, [""] * len(found))
-        text = page if out.suffix == ".html" else comparison.markdown_table(found)
+        if choose:
+            text = choosing.choosing_page(found, {})
+        elif out.suffix == ".html":
+            text = comparison.comparison_page(found, [""] * len(found))
+        else:
+            text = comparison.markdown_table(found)
         try:
             reports.write_whole(out, text)
         except OSError as error:

@@ -1,0 +1,120 @@
+"""The league's recipes are whole and their declarations known; three packages are built and called."""
+
+import importlib.util
+import re
+import shutil
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from isograde.adapters import open_adapter
+from isograde.checking import check
+from isograde.declaration import declaration_from
+from isograde.model import Limits
+
+HERE = Path(__file__).parents[2] / "validation" / "league"
+
+
+def _league() -> ModuleType:
+    """The program, which is in no package."""
+    spec = importlib.util.spec_from_file_location("league", HERE / "league.py")
+    assert spec is not None
+    assert spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    sys.modules["league"] = made
+    spec.loader.exec_module(made)
+    return made
+
+
+league = _league()
+PACKAGES = {package.name: package for package in league.packages()}
+METHODS = [(name, method) for name, package in PACKAGES.items() for method in package.methods]
+
+
+def test_there_are_packages_of_five_languages_and_no_name_twice() -> None:
+    """Issue 16: packages in many languages, each a small folder."""
+    assert len({package.said["language"] for package in PACKAGES.values()}) >= 5
+    names = [method for _, method in METHODS]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_a_recipe_says_what_a_reader_who_chooses_asks_for(name: str) -> None:
+    """Version, languages, licence and what it allows, homepage, how it is installed."""
+    said = PACKAGES[name].said
+    for word in ("package", "version", "language", "written_in", "licence", "homepage"):
+        assert said[word], word
+    assert said["use"] in league.USES
+    (how,) = {"pip", "npm", "cargo", "debian"} & set(said["install"])
+    wanted = " ".join(said["install"][how])
+    assert how == "debian" or said["version"] in wanted, "the version is not the one installed"
+
+
+@pytest.mark.parametrize(("name", "method"), METHODS)
+def test_a_declaration_is_in_the_words_of_the_schema(name: str, method: str) -> None:
+    """The four words, conventions and limits; and the function that is called is in the adapter."""
+    declared = declaration_from(PACKAGES[name].declaration(method), method)
+    assert declared.name == method
+    said = PACKAGES[name].said["methods"][method]
+    assert said["calls"]
+    if function := said.get("function"):
+        (adapter,) = (HERE / name).glob("adapter.*")
+        assert re.search(rf"\b{function}\b", adapter.read_text())
+
+
+def test_the_page_knows_every_method_and_every_ready_made_library() -> None:
+    """Language and licence stand beside each; ours are described by the project itself."""
+    known = league.about()
+    assert {method for _, method in METHODS} <= set(known)
+    assert known["skimage:lewiner"].licence == "BSD-3-Clause"
+
+
+def test_an_unknown_name_is_told_with_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    """Wrong use, status 2."""
+    assert league.main(["nobody"]) == 2
+    assert "no nobody; there are" in capsys.readouterr().err
+
+
+def test_what_cannot_be_built_costs_its_own_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program that is not there is named; the reason is kept where the page finds it."""
+    monkeypatch.setattr(league, "BUILT", tmp_path)
+    monkeypatch.setattr(league.shutil, "which", lambda name: None)
+    given = league.argparse.Namespace(names=[], again=False, build=True, only=[])
+    assert not league._row(PACKAGES["octave"], given)
+    assert "no octave-cli" in (tmp_path / "octave" / "failed.txt").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "method", "program"),
+    [
+        ("marching_cubes_numpy", "marching-cubes-numpy", "python3"),
+        ("surface_nets_js", "surface-nets-js", "npm"),
+        ("fast_surface_nets", "fast-surface-nets", "cargo"),
+    ],
+)
+def test_a_package_is_built_from_its_registry_and_called_rightly(
+    name: str, method: str, program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One in Python, one in JavaScript, one compiled: `check` finds its declaration true."""
+    if shutil.which(program) is None:
+        pytest.skip(f"no {program} on this machine")
+    monkeypatch.setattr(league, "BUILT", tmp_path)
+    package = PACKAGES[name]
+    try:
+        league.build(package)
+    except league.LeagueError as error:
+        pytest.skip(f"{name} cannot be had here: {error}")
+    spec = f"exec:{tmp_path / name}/run {method}"
+    adapter = open_adapter(spec)
+    try:
+        assert adapter.open(Limits(60, 4096)).name == method
+    finally:
+        adapter.close()
+    found = check(spec, timeout=60.0)
+    assert found.started
+    wrong = [said for word, said in found.told if word == "wrong" and "declare" in said]
+    assert not wrong, "what it declares is not what it does"

@@ -1,0 +1,319 @@
+"""The league: every extractor one can install, built and graded, each in its own environment.
+
+``make league``, or ``python validation/league/league.py NAME ..`` for some. A folder beside this
+file is a package: ``league.toml`` says how it is installed, which methods it has and what each says
+of itself; an adapter in the package's own language calls it as its users do. What is built goes
+into ``.league``, the reports into ``reports/league``. Who is built or graded already is left alone,
+so a run that was cut off goes on where it was; ``--again`` begins anew. A package that cannot be
+built or graded costs its own row, and the reason stands in ``.league/<folder>/failed.txt``.
+
+``league.toml``
+---------------
+package, version, language, written_in, licence, homepage
+use            what the licence allows: permissive, copyleft or non-commercial
+[install]      one of ``pip``, ``npm``, ``cargo`` (lists of requirements), or ``debian`` (packages,
+               which are looked for and not installed) with ``needs`` (programs that must be there)
+[methods.NAME] ``calls`` (the call, for people), ``function`` and ``options`` of the adapter,
+               ``declaration`` (`isograde explain declaration`, without the name), ``does`` (what
+               the adapter does for the package, to be told with the results)
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from isograde import report as reports
+from isograde.adapters import ready_made_names
+from isograde.grading import grade as graded
+from isograde.model import AdapterError, Limits
+from isograde.progress import progress
+from isograde.report.choosing import About, choosing_page, twelve_lines
+from isograde.report.headline import headline
+from isograde.report.reading import read
+from isograde.runner import NothingToRun, Options, processors
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+KITS = HERE.parent / "kits"
+BUILT = ROOT / ".league"
+REPORTS = ROOT / "reports" / "league"
+READY_MADE = ROOT / "reports" / "implementations"
+SERVICES = HERE / "services"
+
+USES = ("permissive", "copyleft", "non-commercial")
+
+
+class LeagueError(Exception):
+    """A recipe that is wrong, or a package that could not be built; the message says which."""
+
+
+@dataclass(frozen=True)
+class Package:
+    """A folder of the league.
+
+    said : its ``league.toml``
+    """
+
+    folder: Path
+    said: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.folder.name
+
+    @property
+    def built(self) -> Path:
+        """Where it is built."""
+        return BUILT / self.name
+
+    @property
+    def methods(self) -> list[str]:
+        """The names of its methods."""
+        return list(self.said["methods"])
+
+    def declaration(self, method: str) -> dict[str, Any]:
+        """What a method says of itself, with its name and version."""
+        said = dict(self.said["methods"][method].get("declaration", {}))
+        does = self.said["methods"][method].get("does", "")
+        return {"name": method, "version": self.said["version"], "notes": does, **said}
+
+    def command(self, method: str) -> str:
+        """What answers the grader, from the root of the repository."""
+        return f"{self.built.relative_to(ROOT)}/run {method}"
+
+
+def packages(names: Sequence[str] = ()) -> list[Package]:
+    """The packages with these names or methods, or all; raises `LeagueError` for an unknown one."""
+    found = [
+        Package(path.parent, tomllib.loads(path.read_text()))
+        for path in sorted(HERE.glob("*/league.toml"))
+    ]
+    known = {name for package in found for name in (package.name, *package.methods)}
+    if unknown := set(names) - known:
+        raise LeagueError(f"no {', '.join(sorted(unknown))}; there are {', '.join(sorted(known))}")
+    return [p for p in found if not names or {p.name, *p.methods} & set(names)]
+
+
+# -- building --------------------------------------------------------------------------------------
+
+
+def build(package: Package) -> None:
+    """The package is installed, with a program ``run METHOD`` beside it that answers the grader.
+
+    Raises `LeagueError` with what the installer said.
+    """
+    shutil.rmtree(package.built, ignore_errors=True)
+    shutil.copytree(package.folder, package.built)
+    for method in package.methods:
+        said = package.said["methods"][method]
+        told = {
+            "function": said.get("function", ""),
+            "options": said.get("options", {}),
+            "declaration": package.declaration(method),
+        }
+        (package.built / f"{method}.json").write_text(json.dumps(told, indent=1))
+    install = package.said["install"]
+    how = next((way for way in INSTALLERS if way in install), None)
+    if how is None:
+        raise LeagueError(f"{package.name}: [install] has none of {', '.join(INSTALLERS)}")
+    program = INSTALLERS[how](package, install[how])
+    script = package.built / "run"
+    # The kits answer on descriptor 3; what the package prints is for people.
+    kept = "3>&1 1>&2" if how in KITTED else ""
+    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} "$1.json" {kept}\n')
+    script.chmod(0o755)
+    (package.built / "ready").touch()
+
+
+def _pip(package: Package, wanted: list[str]) -> str:
+    """The service in an environment of its own."""
+    shutil.copy(SERVICES / "serve.py", package.built)
+    _told([sys.executable, "-m", "venv", str(package.built / "env")])
+    pip = [str(package.built / "env/bin/pip"), "install", "--quiet", "--disable-pip-version-check"]
+    _told([*pip, "numpy", *wanted])
+    return "env/bin/python serve.py"
+
+
+def _npm(package: Package, wanted: list[str]) -> str:
+    """The service beside its own ``node_modules``."""
+    shutil.copy(SERVICES / "serve.mjs", package.built)
+    shutil.copy(KITS / "javascript" / "isograde.mjs", package.built)
+    (package.built / "package.json").write_text('{"private": true}\n')
+    _told(["npm", "install", "--no-audit", "--no-fund", *wanted], package.built)
+    return "node serve.mjs"
+
+
+def _cargo(package: Package, wanted: list[str]) -> str:
+    """A program built from the adapter, the kit for Rust and the crates."""
+    shutil.copy(KITS / "rust" / "src" / "isograde.rs", package.built / "src")
+    (package.built / "Cargo.toml").write_text(
+        '[package]\nname = "row"\nversion = "1.0.0"\nedition = "2021"\n\n[workspace]\n'
+    )
+    for crate in wanted:
+        _told(["cargo", "add", "--quiet", crate], package.built)
+    _told(["cargo", "build", "--quiet", "--release"], package.built)
+    return "target/release/row"
+
+
+def _debian(package: Package, wanted: list[str]) -> str:
+    """A program of Debian's packages, which must be there already."""
+    install = package.said["install"]
+    for program in install["needs"]:
+        if shutil.which(program) is None:
+            raise LeagueError(f"no {program}: apt-get install {' '.join(wanted)}")
+    for service in install.get("services", []):
+        shutil.copy(SERVICES / service, package.built)
+    if "make" in install:
+        for header in (KITS / "c").glob("*.h"):
+            shutil.copy(header, package.built)
+        _told(["sh", "-c", install["make"]], package.built)
+    return str(install["program"])
+
+
+KITTED = ("npm", "cargo")
+INSTALLERS = {"pip": _pip, "npm": _npm, "cargo": _cargo, "debian": _debian}
+
+
+def _told(command: list[str], folder: Path = ROOT) -> None:
+    """The command ran; raises `LeagueError` with the end of what it printed where it failed."""
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    except FileNotFoundError as error:
+        raise LeagueError(f"no {command[0]} on this machine") from error
+    if done.returncode:
+        raise LeagueError(f"{' '.join(command)}:\n{(done.stdout + done.stderr)[-2000:]}")
+
+
+# -- grading ---------------------------------------------------------------------------------------
+
+
+def grade(package: Package, method: str, only: Sequence[str] = ()) -> None:
+    """The method's report and pages stand in ``reports/league``.
+
+    Raises `LeagueError` where the program does not start, or nothing of the plan is for it.
+    """
+    options = Options(0, False, tuple(only), Limits(), processors())
+    path = REPORTS / f"{method}.jsonl.gz"
+    try:
+        with progress(method) as watch:
+            found = graded(f"exec:{package.command(method)}", options, path, watch=watch)
+    except (AdapterError, NothingToRun) as error:
+        raise LeagueError(f"{method}: {error}") from error
+    reports.write(found, REPORTS, method, ["html"])
+    print(headline(found), flush=True)
+
+
+# -- the page --------------------------------------------------------------------------------------
+
+
+def about() -> dict[str, About]:
+    """What is known of each method beside its report, by name."""
+    known = {}
+    for package in packages():
+        for method, said in package.said["methods"].items():
+            known[method] = _about(package.said, said["calls"])
+    installed = tomllib.loads((HERE / "installed.toml").read_text())
+    for name in ready_made_names():
+        if (library := name.split(":")[0]) in installed:
+            known[name] = _about(installed[library], "")
+    return known
+
+
+def _about(said: Mapping[str, Any], calls: str) -> About:
+    """The same, of one method; raises `LeagueError` for a word that is none."""
+    if said["use"] not in USES:
+        raise LeagueError(f"{said['package']}: use is {said['use']!r}, not {', '.join(USES)}")
+    words = ("package", "language", "written_in", "licence", "use", "homepage")
+    return About(**{word: said[word] for word in words}, calls=calls)
+
+
+def page() -> Path:
+    """``reports/league/index.html``, of the league's reports and the ready-made names'."""
+    found, links = [], {}
+    for folder in (REPORTS, READY_MADE):
+        for path in sorted(folder.glob("*.jsonl.gz")):
+            report = read(path)
+            found.append(report)
+            stem = path.name.removesuffix(".jsonl.gz")
+            links[report.name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
+    absent = {
+        package.name: (package.built / "failed.txt").read_text().strip().splitlines()[0]
+        for package in packages()
+        if (package.built / "failed.txt").exists()
+    }
+    known = about()
+    reports.write_whole(REPORTS / "league.md", twelve_lines(found, known))
+    text = choosing_page(found, links, known, absent)
+    return reports.write_whole(REPORTS / "index.html", text)
+
+
+def rows(chosen: Sequence[Package], names: Sequence[str]) -> Iterator[tuple[Package, str]]:
+    """Every method that was asked for."""
+    for package in chosen:
+        for method in package.methods:
+            if not names or {package.name, method} & set(names):
+                yield package, method
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """0 where every row asked for is built and graded, 1 where one is not, 2 for an unknown one."""
+    parser = argparse.ArgumentParser(description="Build and grade the league's packages.")
+    parser.add_argument("names", nargs="*", help="packages or methods; all unless said")
+    parser.add_argument("--build", action="store_true", help="build only")
+    parser.add_argument("--again", action="store_true", help="build and grade anew")
+    parser.add_argument("--page", action="store_true", help="write the page of what is there")
+    parser.add_argument("--list", action="store_true", help="name the methods, and do nothing")
+    parser.add_argument("--only", nargs="*", default=[], help="globs of claims or cases")
+    given = parser.parse_args(arguments)
+    try:
+        chosen = packages(given.names)
+    except LeagueError as error:
+        print(error, file=sys.stderr)
+        return 2
+    if given.list:
+        for package, method in rows(chosen, given.names):
+            said = package.said
+            print(f"{method}: {said['package']} {said['version']}, {said['language']}")
+        return 0
+    failed = 0
+    for package in chosen if not given.page else ():
+        failed += not _row(package, given)
+    if not given.build:
+        print(page())
+    return int(failed > 0)
+
+
+def _row(package: Package, given: argparse.Namespace) -> bool:
+    """Whether a package was built and the methods asked for were graded; says what it does."""
+    try:
+        if given.again or not (package.built / "ready").exists():
+            print(f"{package.name}: building", flush=True)
+            build(package)
+        if given.build:
+            return True
+        for _, method in rows([package], given.names):
+            if given.again or not (REPORTS / f"{method}.jsonl.gz").exists():
+                print(f"{method}: grading", flush=True)
+                grade(package, method, given.only)
+    except LeagueError as error:
+        print(f"{package.name}: {error}", file=sys.stderr, flush=True)
+        package.built.mkdir(parents=True, exist_ok=True)
+        (package.built / "failed.txt").write_text(f"{error}\n")
+        return False
+    return True
+
+
+if __name__ == "__main__":
+    os.chdir(ROOT)  # The programs are named from here.
+    sys.exit(main())
