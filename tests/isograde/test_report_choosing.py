@@ -1,4 +1,4 @@
-"""The page on which people choose: rows, needs with reasons, and nothing that a name could break."""
+"""The page on which people choose: rows, needs with reasons, and no name that breaks it."""
 
 from typing import Any
 

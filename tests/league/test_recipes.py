@@ -1,4 +1,4 @@
-"""The league's recipes are whole and their declarations known; three packages are built and called."""
+"""The league: whole recipes, known declarations; three packages are built and called."""
 
 import importlib.util
 import re
