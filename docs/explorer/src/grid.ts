@@ -7,6 +7,7 @@ of the trilinear interpolant.
 */
 
 import { draw } from "./cell.ts";
+import { decide, signsOf } from "./decisions.ts";
 import { type Point, type Rule, type Tables } from "./tables.ts";
 
 export interface Grid {
@@ -109,7 +110,8 @@ export function wrongCells(tables: Tables, rule: Rule, grid: Grid, isovalue: num
     const g = corners(tables, grid, isovalue, cellAt(n, grid.shape));
     if (g.every((x) => x >= 0) || g.every((x) => x < 0)) continue;
     active++;
-    const [mine, right] = [draw(tables, rule, g).tile, draw(tables, truth, g).tile];
+    const signs = signsOf(g);
+    const [mine, right] = [rule, truth].map((one) => one.tile(signs, decide(tables, one.compares, g)));
     if (mine.separated !== right.separated || mine.tunnel !== right.tunnel) wrong.push(n);
   }
   return { wrong, active };

@@ -92,6 +92,7 @@ function begin(): void {
       document.body.dataset.tab = state.tab;
       for (const one of bar.querySelectorAll("button")) one.setAttribute("aria-selected", String(one.dataset.tab === state.tab));
       for (const one of bar.querySelectorAll("button")) one.tabIndex = one.dataset.tab === state.tab ? 0 : -1;
+      bar.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
       tab = new MAKERS[state.tab](app);
       app.changed();
     },
@@ -128,7 +129,7 @@ function begin(): void {
 
   const follow = (): void => {
     try {
-      app.go(read(location.hash, app.state, made));
+      app.go(read(location.hash, app.state, [...tables.rules.keys()], made));
       said.textContent = "";
     } catch (error) {
       if (!(error instanceof LinkError)) throw error;

@@ -1,8 +1,9 @@
 /*
 The stage: pictures in space side by side, all seen from one direction, on one canvas.
 
-A panel is a place in the page with a scene of its own. One WebGL canvas lies over all panels, and
-each is drawn into its rectangle. Nothing is drawn unless something changed.
+A panel is a place in the page with a scene of its own. One WebGL canvas as large as the window lies
+over the page, and each panel in sight is drawn into its rectangle. The canvas scrolls with the page
+and is put back over the window in each frame. Nothing is drawn unless something changed.
 
 Lattice coordinates are those of the scene: axis 2 is up.
 */
@@ -28,6 +29,7 @@ import {
   PerspectiveCamera,
   Scene,
   SphereGeometry,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
@@ -267,11 +269,11 @@ export class Stage {
 
   constructor(readonly host: HTMLElement) {
     this.canvas = element("canvas", { class: "canvas", "aria-hidden": "true" });
-    host.append(this.canvas);
+    document.body.append(this.canvas);
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
-    this.renderer.setScissorTest(true);
     this.camera.up.set(0, 0, 1);
     new ResizeObserver(() => this.ask()).observe(host);
+    for (const name of ["scroll", "resize"]) addEventListener(name, () => this.ask(), { passive: true });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
       this.palette.paint();
       this.ask();
@@ -356,15 +358,17 @@ export class Stage {
     this.stale = false;
     const updated = performance.now();
     this.resize();
-    const canvas = this.canvas.getBoundingClientRect();
+    this.renderer.setScissorTest(false);
+    this.renderer.clear();
+    this.renderer.setScissorTest(true);
+    const { height } = this.renderer.getSize(new Vector2());
     for (const panel of this.panels) {
       const box = panel.place.getBoundingClientRect();
-      if (box.bottom < 0 || box.top > innerHeight || !box.width) continue;
+      if (box.bottom < 0 || box.top > height || !box.width) continue;
       this.aim(panel);
       panel.scene.add(this.lamp, this.lamp.target);
-      const [x, y] = [box.left - canvas.left, canvas.bottom - box.bottom];
-      this.renderer.setViewport(x, y, box.width, box.height);
-      this.renderer.setScissor(x, y, box.width, box.height);
+      this.renderer.setViewport(box.left, height - box.bottom, box.width, box.height);
+      this.renderer.setScissor(box.left, height - box.bottom, box.width, box.height);
       this.renderer.render(panel.scene, this.camera);
     }
     this.placed();
@@ -373,7 +377,8 @@ export class Stage {
   }
 
   private resize(): void {
-    const [width, height] = [this.host.clientWidth, this.host.clientHeight];
+    const [width, height] = [document.documentElement.clientWidth, innerHeight];
+    this.canvas.style.transform = `translate(${scrollX}px, ${scrollY}px)`;
     const ratio = Math.min(devicePixelRatio, 2, Math.sqrt(MOST_PIXELS / Math.max(1, width * height)));
     const size = `${width} ${height} ${ratio}`;
     if (size === this.size || !width || !height) return;

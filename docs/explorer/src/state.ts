@@ -3,7 +3,7 @@ What the explorer shows, and the link that carries it.
 
 A link's part after # holds: tab; n, the shape; v, the samples in C order (the last index fastest),
 or kind and seed of a made field; i, the isovalue; w, where the 4-D cell is cut; r, the rules, by
-their short names; at, the view: turn, tilt, zoom. What is missing keeps what it was. A link that
+their names in isoref; at, the view: turn, tilt, zoom. What is missing keeps what it was. A link that
 cannot be read says why, and changes nothing.
 */
 
@@ -93,14 +93,19 @@ function refusal(tab: TabName, shape: readonly number[]): string {
   return will && whole ? "" : `n is ${shape.join(",")}; this tab shows ${words}, each at least 2`;
 }
 
+/** A field of a kind, from a seed; null for an unknown kind. */
+type Maker = (kind: string, seed: number, shape: number[]) => number[] | null;
+
 /** The state that a link asks for, on top of this one. Raises LinkError. */
-export function read(hash: string, state: State, made: (kind: string, seed: number, shape: number[]) => number[] | null): State {
+export function read(hash: string, state: State, known: readonly string[], made: Maker): State {
   const parts = new URLSearchParams(hash.replace(/^#/, ""));
   const tab = (parts.get("tab") ?? state.tab) as TabName;
   if (!TABS.includes(tab)) throw new LinkError(`there is no tab ${JSON.stringify(tab)}; there are ${TABS.join(", ")}`);
   const next: State = { ...state, tab, view: { ...state.view } };
   const [r, at] = [parts.get("r"), parts.get("at")];
   if (r !== null) next.rules = r ? r.split(",") : [];
+  const unknown = next.rules.find((name) => !known.includes(name));
+  if (unknown !== undefined) throw new LinkError(`there is no algorithm ${JSON.stringify(unknown)}; there are ${known.join(", ")}`);
   if (at !== null) {
     const [turn, tilt, zoom] = numbers(at, "at");
     Object.assign(next.view, { turn, tilt: Math.max(-89.9, Math.min(89.9, tilt ?? START.tilt)), zoom: Math.max(0.5, Math.min(8, zoom ?? 1)) });

@@ -220,6 +220,7 @@ test("a link that cannot be read says why", async () => {
     ["#tab=field&n=100,100,100&v=1", "at most"],
     ["#tab=field&kind=moon", "no kind of field"],
     ["#tab=cell&i=Infinity", "no finite number"],
+    ["#tab=cell&r=magic", "no algorithm"],
     ["#tab=cell&n=2,2,2&v=<img src=x onerror=alert(1)>", "no finite number"],
   ];
   for (const [link, words] of bad) {
@@ -325,6 +326,38 @@ test("text stands out, in both themes", async () => {
     }
   }
   await page.emulateMedia({ colorScheme: "light" });
+});
+
+test("pictures are where their panels are, whatever is scrolled", async () => {
+  await close();
+  await open({ viewport: { width: 390, height: 700 }, deviceScaleFactor: 1.5 });
+  await show();
+  for (let n = 0; n < 5; n++) {
+    const place = page.locator(".place").nth(n);
+    await place.scrollIntoViewIfNeeded();
+    await frames();
+    await frames();
+    // Colours in the upper and the lower half: the picture is neither absent nor cut.
+    const box = await place.boundingBox();
+    assert.ok(box);
+    const half = { x: box.x, width: box.width, height: box.height / 2 };
+    for (const y of [box.y, box.y + box.height / 2]) {
+      const shot = await page.screenshot({ clip: { ...half, y } });
+      const colours = await page.evaluate(async (bytes) => {
+        const image = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }));
+        const canvas = new OffscreenCanvas(image.width, image.height);
+        const context = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
+        context.drawImage(image, 0, 0);
+        const { data } = context.getImageData(0, 0, image.width, image.height);
+        let coloured = 0;
+        for (let i = 0; i < data.length; i += 4) coloured += Number(Math.max(data[i], data[i + 1], data[i + 2]) - Math.min(data[i], data[i + 1], data[i + 2]) > 60);
+        return coloured / (data.length / 4);
+      }, [...shot]);
+      assert.ok(colours > 0.005, `panel ${n}: ${(100 * colours).toFixed(2)} % of a half is coloured`);
+    }
+  }
+  await close();
+  await open();
 });
 
 test("who wants less motion gets steps", async () => {

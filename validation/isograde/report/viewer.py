@@ -40,8 +40,8 @@ KEPT, MARKED = 300, 60
 SAMPLES = 400
 # A picture is 360 units wide: in a lattice of up to 36 samples a side this is below a tenth of one.
 DECIMALS = 3
-# The explorer stands beside the pages, under this name.
-EXPLORER = "explorer.html"
+# The explorer stands beside the pages, under this name, and shows so many samples at most.
+EXPLORER, OPENED = "explorer.html", 1331
 # JSON's readers keep integers up to here.
 EXACT = 2**53
 
@@ -101,7 +101,7 @@ def _opened(record: JSON, values: list[Any]) -> str:
     known = {(2, 2, 2): "cell", (3, 2, 2): "pair", (2, 2, 2, 2): "four"}
     tab = known.get(shape) or {2: "plane", 3: "field"}.get(len(shape))
     shown = values and finite and tab and len(record["isovalues"]) == 1 and min(shape) > 1
-    if not shown or len(values) > SAMPLES or explorer() is None:
+    if not shown or len(values) > OPENED or explorer() is None:
         return ""
     return f"{EXPLORER}#tab={tab}&n={','.join(map(str, shape))}&i={record['isovalues'][0]}"
 

@@ -103,7 +103,7 @@ export class CellTab implements Tab {
       element("section", {}, element("h3", {}, "Eight samples"), this.typed.root,
         element("p", { class: "hint" }, "Drag a sample's number up or down in the large picture, or type it here."),
         paste(() => this.lattice, (values) => this.put({ values }))),
-      element("section", {}, element("h3", {}, "Isovalue"), this.isovalue.root,
+      element("section", { class: "pinned" }, element("h3", {}, "Isovalue"), this.isovalue.root,
         element("p", { class: "hint" }, "Marks: where the topology can change, at samples (grey), saddles of faces (blue) and saddles inside the cell (violet).")),
       element("section", {}, element("h3", {}, "Its name"), this.names),
       element("section", {}, element("h3", {}, "Its ambiguous faces"), this.faces),

@@ -39,7 +39,7 @@ export class FieldTab implements Tab {
         button("another one", () => again(this.lattice.kind || "noise", this.lattice.seed + 1)),
         button("8 × 8 × 8", () => this.fresh())),
       element("p", {}, `${shape.join(" × ")} samples. Lit cells have another topology than the trilinear interpolant; red edges are open. Choose one below to look into it.`),
-      element("section", {}, element("h3", {}, "Isovalue"), this.isovalue.root),
+      element("section", { class: "pinned" }, element("h3", {}, "Isovalue"), this.isovalue.root),
       element("section", {}, element("h3", {}, "Wrong cells"), this.wrong),
       element("section", {},
         tick("edges of triangles", this.edges, (on) => {

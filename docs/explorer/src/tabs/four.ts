@@ -126,7 +126,7 @@ export class FourTab implements Tab {
           this.put({ values: opposite.map(() => Number((2 * next() - 1).toFixed(2))), isovalue: 0 });
         })),
       element("p", {}, "A cell of a four-dimensional lattice has sixteen samples, and its isosurface is a body of three dimensions. Cut at w, the interpolant is trilinear and its slice a surface. Min's method cuts the cell in 24 simplices and each simplex in tetrahedra: their slices are triangles and quadrilaterals."),
-      element("section", {}, element("h3", {}, "Where it is cut"), this.cutAt.root),
+      element("section", { class: "pinned" }, element("h3", {}, "Where it is cut"), this.cutAt.root),
       element("section", {}, element("h3", {}, "Isovalue"), this.isovalue.root),
       element("section", {}, element("h3", {}, "Sixteen samples, the last index is w"), this.typed.root, paste(() => this.lattice, (values) => this.put({ values }))),
     );

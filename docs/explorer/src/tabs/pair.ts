@@ -59,7 +59,7 @@ export class PairTab implements Tab {
         })),
       element("p", {}, "Two cells share the face in the middle. Where a rule looks at its own cell only, the two may disagree there: red edges belong to one triangle, and the surface has a hole. A rule that asks the face itself gets one answer on both sides."),
       element("section", {}, element("h3", {}, "Twelve samples"), this.typed.root, paste(() => this.lattice, (values) => this.put({ values }))),
-      element("section", {}, element("h3", {}, "Isovalue"), this.isovalue.root),
+      element("section", { class: "pinned" }, element("h3", {}, "Isovalue"), this.isovalue.root),
       element("section", {}, ruleChoice(tables, () => app.state.rules, (rules) => app.go({ ...app.state, rules }))),
     );
   }

@@ -103,7 +103,7 @@ export class PlaneTab implements Tab {
         choice("8 × 8 image of", [["", "choose"], ...KINDS], this.lattice.kind, (kind) => kind && fresh(8, kind, ++seed))),
       element("p", {}, "On a square with two diagonal corners inside there are two ways to join four points. The bilinear contour is a hyperbola: the value at its saddle says which way it runs."),
       element("section", {}, element("h3", {}, "Samples"), ...(this.typed ? [this.typed.root, element("p", { class: "hint" }, "Drag a sample up or down, or type.")] : []), paste(() => this.lattice, (values) => this.put({ values }))),
-      element("section", {}, element("h3", {}, "Isovalue"), this.isovalue.root),
+      element("section", { class: "pinned" }, element("h3", {}, "Isovalue"), this.isovalue.root),
     );
     this.main.addEventListener("pointerdown", (event) => {
       const n = Number((event.target as Element).closest("[data-n]")?.getAttribute("data-n") ?? NaN);
