@@ -6,6 +6,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from itertools import chain, combinations
 from pathlib import Path
 
 import jsonschema
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 from isograde.adapters import open_adapter
 from isograde.adapters.exec import ExecAdapter
-from isograde.adapters.protocol import protocol_schema
+from isograde.adapters.protocol import check_json, form_of, protocol_schema
 from isograde.claims import CLAIMS
 from isograde.declaration import Declaration
 from isograde.model import (
@@ -111,6 +112,29 @@ def test_a_program_declines_what_it_does_not_read(tetrahedra: str) -> None:
     floats = Field.of(np.zeros((2, 2, 2), np.float32))
     _, outcomes = ask(tetrahedra, floats, ball())
     assert [o.status for o in outcomes] == [Status.DECLINED, Status.OK]
+
+
+def test_the_form_of_an_answer_is_judged_as_all_forms_are() -> None:
+    """To check one form is only faster: each allows its own keys alone, so nothing else changes."""
+    values: dict[str, object] = {
+        "id": 1, "vertices": [], "simplices": "s.npy", "faces": [], "polylines": [],
+        "mesh": "m.ply", "answer": "a.json", "error": "no", "unsupported": "no", "seconds": 0.5,
+        "other": 1,
+    }  # fmt: skip
+    right = 0
+    for keys in chain.from_iterable(combinations(values, size) for size in range(5)):
+        for wrong in (None, *keys[-1:]):
+            said = {key: None if key == wrong else values[key] for key in keys}
+            verdicts = []
+            for part in ("answer", form_of(said)):
+                try:
+                    check_json(said, part, "it")
+                    verdicts.append(True)
+                except AdapterError:
+                    verdicts.append(False)
+            assert verdicts[0] == verdicts[1], said
+            right += verdicts[0]
+    assert right == 12  # Five forms with seconds or without, and two that took no time.
 
 
 @pytest.mark.skipif(not shutil.which("awk") or not shutil.which("od"), reason="no awk or od here")

@@ -133,13 +133,13 @@ class Child:
 
     def read_line(self, limit: int = 64 * CHUNK) -> bytes:
         """The next line of the child, without its end; raises `Ended`."""
-        seen = 0
+        seen, space = 0, bytearray(CHUNK)
         while (end := self._buffer.find(b"\n", seen)) < 0:
             seen = len(self._buffer)
             if seen > limit:
                 raise Ended(Status.GARBAGE, f"a line of more than {limit:,} bytes on stdout")
-            space = bytearray(CHUNK)
-            self._buffer += space[: self._fill(memoryview(space))]
+            count = self._fill(memoryview(space))
+            self._buffer += memoryview(space)[:count]
         return bytes(self.read(end + 1)[:-1])
 
     def unread(self) -> bytes:

@@ -32,7 +32,7 @@ for them. In their place an answer may have
 
 polygons        rows of more than three indices, of one length or of several
 polylines       ``"polylines": [[[0.5, 0.0], ..], ..]``; a closed one repeats its first point
-.npy files      ``"vertices": "v.npy", "simplices": "s.npy"``
+.npy files      ``"vertices": "v.npy", "simplices": "s.npy"``; a line has at most 256 megabytes
 a mesh file     ``"mesh": "surface.off"`` (.ply, .obj, .off, .stl)
 a JSON file     ``"answer": "answer.json"``, which has the vertices and simplices, or polylines
 
@@ -76,7 +76,7 @@ from isograde.adapters.child import MEGABYTE, Child, Ended
 from isograde.adapters.conventions import is_field
 from isograde.adapters.forms import AnswerError
 from isograde.adapters.process import ProcessAdapter, samples
-from isograde.adapters.protocol import check_json, declared
+from isograde.adapters.protocol import check_json, declared, form_of
 from isograde.adapters.strict import NotJSON, isovalue, parse, written
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Outcome, Request, Status
@@ -88,6 +88,8 @@ OLD = {
 }
 # How much of a line that is no answer a report quotes.
 QUOTED = 120
+# Megabytes a line may have: some five million triangles. More stands in .npy files.
+LONGEST = 256
 
 
 class ExecAdapter(ProcessAdapter):
@@ -131,8 +133,8 @@ class ExecAdapter(ProcessAdapter):
         """The answer to the request that was numbered last."""
         said: dict[str, Any]
         try:
-            line, said = _line(child)
-            check_json(said, "answer", f"the answer {_quoted(line)}")
+            line, said = _line(child, min(LONGEST, self.limits.megabytes) * MEGABYTE)
+            check_json(said, form_of(said), f"the answer {_quoted(line)}")
         except AdapterError as error:
             raise Ended(Status.GARBAGE, str(error)) from error
         if said["id"] != self.number:
@@ -188,9 +190,9 @@ def _tell(child: Child, message: dict[str, Any]) -> None:
     child.write([written(message).encode("utf-8", "surrogateescape") + b"\n"])
 
 
-def _line(child: Child) -> tuple[bytes, Any]:
-    """The next line, and the JSON in it; raises `AdapterError` or `Ended`."""
-    line = child.read_line()
+def _line(child: Child, limit: int = MEGABYTE) -> tuple[bytes, Any]:
+    """The next line, of so many bytes at most, and its JSON; raises `AdapterError` or `Ended`."""
+    line = child.read_line(limit)
     try:
         return line, parse(line)
     except NotJSON as error:
