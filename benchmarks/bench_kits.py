@@ -1,4 +1,4 @@
-"""What a call of a program costs: the kits of each language beside the reference in Python, in turn.
+"""What a call of a program costs: the kits of each language beside the reference, in turn.
 
 The same marching cubes, but for the reference's, behind ``exec:`` and behind a worker process. A
 program is started once, and asked line by line; the samples go to a file, the mesh comes back as
