@@ -59,7 +59,7 @@ def same_places(points: Array, others: Array, limit: float) -> NDArray[np.int64]
 
 @pytest.mark.parametrize("name", ["scikit_image", "pymcubes", "contourpy", "vtk"])
 def test_the_page_shows_each_module(name: str) -> None:
-    """About thirty lines of code each, and none that the page does not show."""
+    """A few dozen lines of code each, and none that the page does not show."""
     page = (ROOT / "docs" / "coming_from.rst").read_text(encoding="utf-8")
     assert f".. literalinclude:: coming_from/{name}.py" in page
     lines = (FOLDER / f"{name}.py").read_text(encoding="utf-8").splitlines()

@@ -148,11 +148,15 @@ def test_the_mri_that_comes_with_nibabel_is_read() -> None:
     assert field.values.dtype == np.dtype(volume.dtype)
     listed = [case for case in volumes.cases() if "full" not in case.tags]
     assert any(case.id.startswith("real/nibabel-anatomical") for case in listed)
+    # The steps of the header, and not the lengths of the affine's columns: cases are frozen.
+    assert volumes.load("nibabel-example4d").spacing == (2.0, 2.0, 2.1999990940093994)
 
 
 def test_the_volumes_of_the_data_folder_are_what_the_registry_says(data: Path) -> None:
+    steps = {"headsq": (1.5, 3.2, 3.2)}
     for name in ("headsq", "tooth", "stroke", "carotid", "fiberform", "aneurism"):
         volume = volumes.REGISTRY[name]
+        assert volumes.load(name).spacing == steps.get(name, (1.0, 1.0, 1.0))
         assert volumes.find(volume) == data / volume.file
         field = volumes.load(name)
         assert field.shape == volume.shape

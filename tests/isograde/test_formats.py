@@ -288,7 +288,10 @@ def test_a_level_of_ome_zarr_stands_where_its_transformations_say(
     scales = [{"axes": axes, "datasets": levels, "coordinateTransformations": whole}]
     root.attrs.update({"multiscales": scales} if version == 2 else {"ome": {"multiscales": scales}})
     stored = read(tmp_path / "egg.zarr")
-    assert (stored.unit, stored.notes) == ("micrometer", ("the first of 2 volumes is taken",))
+    assert (stored.unit, stored.notes) == (
+        "micrometer",
+        ("the first of 2 volumes or channels is taken",),
+    )
     check_places(stored, lambda index: np.add(np.multiply(index, [0.5, 1, 2]), [5, 10, 15]))
     coarse = read(tmp_path / "egg.zarr", Asked(dataset="1")).field
     assert coarse.position([1, 1, 1]).tolist() == [6.0, 12.0, 19.0]
@@ -302,6 +305,8 @@ def test_a_stack_of_tiff_pages_has_the_size_that_imagej_or_ome_wrote(tmp_path: P
     pages = np.ascontiguousarray(samples().T)
     tifffile.imwrite(tmp_path / "plain.tif", pages, photometric="minisblack")
     check_places(read(tmp_path / "plain.tif"), lambda index: index)
+    tifffile.imwrite(tmp_path / "dots.tif", pages, imagej=True, resolution=(72, 72))
+    check_places(read(tmp_path / "dots.tif"), lambda index: index)
     size = {"spacing": 2.0, "unit": "um", "axes": "ZYX"}
     tifffile.imwrite(
         tmp_path / "j.tif", pages, imagej=True, resolution=(1 / 1.25, 1 / 0.75), metadata=size
@@ -340,7 +345,7 @@ def test_nrrd_axes_without_a_direction_are_volumes(tmp_path: Path) -> None:
     nrrd.write(str(tmp_path / "egg.nrrd"), np.stack([samples(), samples() + 1]), header)
     stored = read(tmp_path / "egg.nrrd")
     assert stored.space == "RAS"
-    assert stored.notes == ("the first of 2 volumes is taken",)
+    assert stored.notes == ("the first of 2 volumes or channels is taken",)
     check_places(stored, lambda index: np.multiply(index, [-1.25, 0.75, 2]))
 
 
@@ -412,3 +417,51 @@ def test_a_mesh_comes_back_from_every_format(ending: str, tmp_path: Path) -> Non
     assert len(again.simplices) == len(mesh.simplices) > 100
     assert signed_volume(again) == pytest.approx(signed_volume(mesh), rel=1e-5)
     assert farthest(again.vertices, mesh.vertices) < 1e-5
+
+
+def test_real_scans_stand_where_simpleitk_puts_them(data: Path) -> None:
+    """The corners of a brain and of a phase image of several echoes, in LPS."""
+    for name in ("stroke_T1.nii.gz", "romeo_Mag.nii"):
+        stored, image = read(data / name), itk.ReadImage(str(data / name))
+        field = stored.in_space("LPS").field
+        for far in np.ndindex(2, 2, 2):
+            index = np.multiply(far, np.array(field.shape) - 1)
+            padded = [int(i) for i in index] + [0] * (image.GetDimension() - 3)
+            place = image.TransformIndexToPhysicalPoint(padded)[:3]
+            assert field.position(index) == pytest.approx(np.array(place), abs=1e-3)
+        values = itk.GetArrayFromImage(image)
+        first = values.reshape(-1, *values.shape[-3:])[0].T
+        assert np.allclose(stored.values, first, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda path: np.savez(path, a=np.zeros(3)), "no array named values"),
+        (lambda path: np.savez(path, values=np.zeros((2, 2))), "no volume, which has three axes"),
+        (lambda path: np.savez(path, values=np.zeros((0, 2, 2))), "no samples"),
+        (
+            lambda path: np.savez(path, values=np.zeros((2, 2, 2)), spacing=-1),
+            "must be positive",
+        ),
+        (
+            lambda path: np.savez(path, values=np.zeros((2, 2, 2)), directions=np.ones((3, 3))),
+            "lie in a plane",
+        ),
+        (
+            lambda path: np.savez(path, values=np.zeros((2, 2, 2)), affine=np.diag([1, 1, 0, 1])),
+            "moves nothing along axis 2",
+        ),
+        (lambda path: np.savez(path, values=np.zeros((2, 2, 2), complex)), "not real numbers"),
+        (lambda path: np.savez(path, values=np.full((2, 2, 2), np.nan)), "--absent leaves them"),
+    ],
+)
+def test_a_file_that_is_no_volume_is_told_why(
+    make: Callable[[Path], None], message: str, tmp_path: Path
+) -> None:
+    """Each in one sentence that begins with the file."""
+    make(tmp_path / "bad.npz")
+    with pytest.raises(VolumeError, match=message) as told:
+        read(tmp_path / "bad.npz")
+    assert str(told.value).startswith(str(tmp_path / "bad.npz"))
+    assert len(str(told.value).splitlines()) == 1

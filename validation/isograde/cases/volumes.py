@@ -144,7 +144,11 @@ def read(path: Path, *, volume: Volume | None = None) -> Field:
     """
     field = stored(path, volume=volume).field.straight()
     if volume is not None and volume.spacing is not None:
-        field = Field.of(field.values, volume.spacing)
+        return Field.of(field.values, volume.spacing)
+    if path.name.endswith((".nii", ".nii.gz")):
+        # Cases are frozen, and began with the steps of the header, which the affine rounds.
+        steps = library("nibabel").load(path).header.get_zooms()[:3]
+        return Field.of(field.values, [float(step) for step in steps])
     return field
 
 

@@ -18,6 +18,7 @@ others. Directions make up for it: positions are always (x, y, z).
 
 from __future__ import annotations
 
+import re
 import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping, Sequence
@@ -166,8 +167,12 @@ def library(name: str, extra: str = "volumes") -> Any:
 
 def _in_one_line(error: BaseException) -> str:
     """What a library's exception says, without its lines of context."""
+    if isinstance(error, KeyError):
+        return f"it has no {error}"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return lines[-1] if lines else type(error).__name__
+    # What ITK has to say stands behind the name and address of what says it.
+    said = [re.sub(r".*ERROR: (\w+\(0x\w+\): )?", "", line) for line in lines if "ERROR: " in line]
+    return next(iter([*said, *lines[-1:]]), type(error).__name__)
 
 
 def native(values: Any) -> NDArray[Any]:
@@ -192,7 +197,10 @@ def _stored(
 
 def _counting_x_first(spacing: Sequence[float] | None, origin: Sequence[float] | None) -> Floats:
     """The affine of an array (x, y, z)."""
-    affine = np.diag([*np.broadcast_to(1.0 if spacing is None else spacing, 3), 1.0])
+    steps = np.broadcast_to(1.0 if spacing is None else spacing, 3)
+    if not (steps > 0).all():
+        raise FieldError(f"spacing {steps.tolist()} must be positive on every axis")
+    affine = np.diag([*steps, 1.0])
     affine[:3, 3] = 0.0 if origin is None else origin
     return affine
 
@@ -207,7 +215,7 @@ def _respaced(affine: Floats, spacing: tuple[float, float, float]) -> Floats:
     steps = np.linalg.norm(affine[:3, :3], axis=0)
     order = np.abs(affine[:3, :3] / steps).argmax(axis=0)
     if sorted(order.tolist()) != [0, 1, 2]:
-        raise VolumeError("axes run askew, so that no spacing along x, y, z can be given to them")
+        raise FieldError("axes run askew, so that no spacing along x, y, z can be given to them")
     respaced = affine.copy()
     respaced[:3, :3] *= np.array(spacing)[order] / steps
     return respaced
@@ -217,13 +225,14 @@ def _one_of(names: Sequence[str], asked: str | None, what: str, option: str = "-
     """The name that was asked for, or the only one there is."""
     if asked is not None:
         if asked not in names:
-            raise VolumeError(
-                f"there is no {what} {asked!r}; there are {', '.join(names) or 'none'}"
-            )
+            listed = ", ".join(names) or "none"
+            raise FieldError(f"there is no {what} {asked!r}; there are {listed}")
         return asked
-    if len(names) != 1:
-        listed = ", ".join(names) or "none"
-        raise VolumeError(f"it takes one {what}, and there are {listed}; name one with {option}")
+    if not names:
+        raise FieldError(f"it holds no {what}")
+    if len(names) > 1:
+        listed = ", ".join(names)
+        raise FieldError(f"it takes one {what}, and there are {listed}; name one with {option}")
     return names[0]
 
 
@@ -233,7 +242,7 @@ def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ..
     for axis in along:
         index[axis] = 0
     volumes = int(np.prod([values.shape[axis] for axis in along], dtype=np.int64))
-    notes = (f"the first of {volumes} volumes is taken",) if volumes > 1 else ()
+    notes = (f"the first of {volumes} volumes or channels is taken",) if volumes > 1 else ()
     return values[tuple(index)], notes
 
 
@@ -312,9 +321,12 @@ def _nrrd(path: Path, _: Asked) -> Stored:
     notes: tuple[str, ...] = ()
     if rows is None:
         if values.ndim > 3:
-            axes = [a for a in range(values.ndim) if spacings is None or not spacings[a] > 0]
-            values, notes = _first_volume(values, axes or range(3, values.ndim))
-            spacings = None if spacings is None else [s for s in spacings if s > 0]
+            kinds = header.get("kinds") or ["domain"] * values.ndim
+            others = [a for a, kind in enumerate(kinds) if kind not in ("domain", "space")]
+            others = others or list(range(3, values.ndim))
+            values, notes = _first_volume(values, others)
+            if spacings is not None:
+                spacings = np.delete(spacings, others)
         return _stored(values, _counting_x_first(spacings, None), notes=notes)
 
     # Axes without a direction count components or volumes.
@@ -401,6 +413,7 @@ def _dicom_series(folder: Path, asked: Asked) -> Stored:
 def _vtk(path: Path, asked: Asked) -> Stored:
     """A scalar point array of a VTK image."""
     pyvista = library("pyvista")
+    library("vtk").vtkObject.GlobalWarningDisplayOff()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         grid: Any = pyvista.read(path)
@@ -444,14 +457,15 @@ def _size_of_voxel(file: Any) -> tuple[list[float], str]:
         given: Mapping[str, str] = {} if pixels is None else pixels.attrib
         sizes = [float(given.get(f"PhysicalSize{axis}", 1)) for axis in "XYZ"]
         return sizes, given.get("PhysicalSizeXUnit", "µm" if "PhysicalSizeX" in given else "")
-    if file.imagej_metadata:
+    # ImageJ writes a resolution everywhere, and the step from page to page where it was calibrated.
+    if file.imagej_metadata and "spacing" in file.imagej_metadata:
         tags = file.pages[0].tags
         sizes = []
         for name in ("XResolution", "YResolution"):
             count, length = tags[name].value if name in tags else (1, 1)
             sizes.append(length / count if count else 1.0)
         given = file.imagej_metadata
-        return [*sizes, float(given.get("spacing", 1.0))], str(given.get("unit", ""))
+        return [*sizes, float(given["spacing"])], str(given.get("unit", ""))
     return [1.0, 1.0, 1.0], ""
 
 
