@@ -24,7 +24,7 @@ from isograde.adapters import open_adapter
 from isograde.adapters.loading import called
 from isograde.causes import roots
 from isograde.declaration import Declaration
-from isograde.drafts import Draft, fingerprint
+from isograde.drafts import Draft, fingerprint, unfinished
 from isograde.errata import PLAN
 from isograde.expectations import Expectations, is_expected
 from isograde.model import (
@@ -90,6 +90,7 @@ def grade(
     watch: Watch | None = None,
     resume: bool | None = None,
     interruptible: bool = False,
+    keep_draft: bool = False,
     say: Say | None = None,
     expected: Expectations | None = None,
 ) -> reading.Report:
@@ -100,6 +101,7 @@ def grade(
     judged until then, and says so; the rest can be judged later.
 
     resume : True insists on an earlier run's draft, False begins anew
+    keep_draft : the draft stays until `finished(path)`, after whatever is made of the report
     interruptible : Ctrl-C stops as a budget does, with a report at `interrupted(path)`
     say : called with what is worth a sentence meanwhile
     expected : failures that are known: told in the report, and shown only where a claim has no
@@ -115,7 +117,7 @@ def grade(
         where another process grades into this place; where there is nothing to go on with.
     """
     worker = Worker.open(spec, options)
-    how = Manner(watch, resume, interruptible, say, expected or {})
+    how = Manner(watch, resume, interruptible, keep_draft, say, expected or {})
     try:
         return graded_by(worker, spec, options, path, arguments, how)
     finally:
@@ -129,6 +131,7 @@ class Manner:
     watch: Watch | None = None
     resume: bool | None = None
     interruptible: bool = False
+    keep_draft: bool = False
     say: Say | None = None
     expected: Expectations = fresh(default_factory=dict)
 
@@ -153,9 +156,15 @@ def graded_by(
         records = _records(first, tasks, judging, stopped, start)
         report = reading.gather(records)
         lines.write_lines(records, place_of(path, report))
-        if stopped is None:
+        if stopped is None and not how.keep_draft:
             draft.remove()
     return report
+
+
+def finished(path: Path, report: reading.Report) -> None:
+    """The draft of a whole report is gone: a process that is killed now has lost nothing."""
+    if report.stopped is None:
+        unfinished(path).unlink(missing_ok=True)
 
 
 INTERRUPTED = "interrupted"

@@ -28,7 +28,7 @@ from isograde.expectations import (
     expectations,
     toml,
 )
-from isograde.grading import INTERRUPTED, grade, place_of
+from isograde.grading import INTERRUPTED, finished, grade, place_of
 from isograde.model import AdapterError, UnknownName
 from isograde.progress import progress
 from isograde.report import comparison, reading, words
@@ -72,6 +72,7 @@ def grade_one(
         result = _grade(spec, options, path, resume, expectations(known.read))
         place = place_of(path, result)
         pages = reports.write(result, out, place.stem, kinds)
+        finished(path, result)
         _tell(result)
         if known.written is not None:
             _write_expected(result, known.written)
@@ -144,6 +145,7 @@ def _grade(
             watch=watch,
             resume=resume,
             interruptible=True,
+            keep_draft=True,
             say=lambda told: errors.print(told, markup=False),
             expected=expected,
         )
@@ -206,6 +208,7 @@ def grade_all(
         except NothingToRun:
             continue  # What was asked for is not of its kinds.
         reports.write(found_one, out, place_of(path, found_one).name.split(".")[0], kinds)
+        finished(path, found_one)
         if _status(found_one, path, strict) is Exit.STOPPED:
             raise typer.Exit(Exit.STOPPED)
         done[stem] = found_one

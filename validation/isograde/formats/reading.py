@@ -31,6 +31,8 @@ import numpy as np
 from isoref.field import Field, FieldError, Floats
 from numpy.typing import NDArray
 
+from isograde.formats.guard import check_gzip, check_vtk_image, free, in_words, within_memory
+
 #: What a library's spelling of a space is here; LAS is turned into RAS.
 SPACES = {
     "left-posterior-superior": "LPS",
@@ -118,18 +120,34 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
     asked = asked or Asked()
     reader = _reader_of(path)
     try:
-        stored = reader(path, asked)
+        if told := _unsafe(path):
+            raise VolumeError(f"{path} cannot be read: {told}")
+        with within_memory():
+            stored = reader(path, asked)
         if asked.spacing is not None:
             stored = replace(stored, affine=_respaced(stored.affine, asked.spacing))
         if not asked.absent:
             _ = stored.field
     except VolumeError:
         raise
+    except MemoryError as error:
+        wanted = f" ({_in_one_line(error)})" if str(error) else ""
+        told = f"it needs more memory than the {in_words(free())} that are free{wanted}"
+        raise VolumeError(f"{path} cannot be read: {told}") from error
     except Exception as error:
         said = _in_one_line(error)
         hint = " (--absent leaves them out)" if said.endswith("that are not finite") else ""
         raise VolumeError(f"{path} cannot be read: {said}{hint}") from error
     return stored
+
+
+def _unsafe(path: Path) -> str:
+    """Why a file is not even given to its reader, or nothing."""
+    if path.is_dir():
+        return ""
+    if ending_of(path) in (".nii.gz", ".mgz"):
+        return check_gzip(path)
+    return check_vtk_image(path) if ending_of(path) == ".vti" else ""
 
 
 def _reader_of(path: Path) -> Reader:
