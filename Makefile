@@ -3,11 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
-EXTRAS ?= peers,data,dev
+EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports league catalogue docs clean
+.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports league catalogue packages docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -20,6 +20,7 @@ help:
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make league      build and grade every package of validation/league, and write the page to choose by"
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
+	@echo "make packages    wheel and sdist into dist, checked by twine"
 	@echo "make docs        the site, in docs/_build"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
 	@echo "make benchmarks  speed and memory beside the peers"
@@ -59,6 +60,11 @@ papers: $(STAMP)
 
 reports: $(STAMP)
 	$(BIN)/isograde grade --all --out reports/implementations || [ $$? -eq 1 ]
+
+packages: $(STAMP)
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist
+	$(BIN)/python -m twine check --strict dist/*
 
 catalogue: $(STAMP)
 	$(BIN)/python -m isograde.cataloguing

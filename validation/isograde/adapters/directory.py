@@ -23,6 +23,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +93,22 @@ class DirectoryAdapter:
         check_json(manifest, "manifest", str(self._folder / MANIFEST))
         self._entries = {(entry["id"], entry["variant"]): entry for entry in manifest["fields"]}
         self.declaration = self._declared()
+        if self._needs_trimesh() and find_spec("trimesh") is None:
+            raise AdapterError(
+                f"{self._folder}: mesh files are read by trimesh, which is not installed: "
+                'pip install "isograde[meshes]"'
+            )
         if self.answered() == 0:
             raise AdapterError(
                 f"{self._folder}: no mesh beside any of the {len(self._entries)} fields; "
                 f"put each {ANSWER}"
             )
         return self.declaration
+
+    def _needs_trimesh(self) -> bool:
+        """Whether some answer is a mesh file."""
+        every = (self._folder / entry["values"] for entry in self._entries.values())
+        return any(one.suffix.lower() in MESH_FILES for path in every for one in _answers(path))
 
     def answered(self) -> int:
         """The number of fields that have a mesh."""
@@ -256,8 +267,10 @@ def _write(folder: Path, request: Request) -> dict[str, Any]:
 
 def _write_nrrd(path: Path, field: Field) -> None:
     """The file holds the samples and their place in space."""
-    import nrrd
-
+    try:
+        import nrrd
+    except ImportError as error:
+        raise AdapterError(f'{error}: pip install "isograde[volumes]"') from error
     values = samples(field)
     widened = {"b1": np.uint8, "f2": np.float32}.get(values.dtype.str[1:])
     header = {

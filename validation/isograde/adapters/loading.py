@@ -172,16 +172,16 @@ def as_called(function: Callable[..., Any], required: int) -> Call:
 
 
 def advice(error: Exception, distribution: str) -> str:
-    """What to install, where an import of the distribution failed with `error`.
+    r"""What to install, where an import of the distribution failed with `error`.
 
     >>> advice(ImportError("libGL.so.1: cannot open shared object file"), "vtk")
     'the system library libGL.so.1 is missing: install it (Debian, Ubuntu: apt-get install libgl1)'
     >>> advice(ModuleNotFoundError("No module named 'vtk'"), "vtk")
-    "No module named 'vtk': pip install vtk"
+    'No module named \'vtk\': pip install vtk, or "isograde[libraries]"'
     """
     missing = re.match(r"(lib[\w+.-]+\.so[\d.]*): cannot open shared object", str(error))
     if not missing:
-        return f"{error}: pip install {distribution}"
+        return f'{error}: pip install {distribution}, or "isograde[libraries]"'
     library = missing[1]
     package = SYSTEM_PACKAGES.get(library[: library.index(".so") + 3])
     how = f"apt-get install {package}" if package else f"apt-file search {library} names it"
