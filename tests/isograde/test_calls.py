@@ -146,6 +146,28 @@ def test_extract_takes_an_array_or_a_file(tmp_path: Path) -> None:
         isograde.extract(tmp_path / "ball.npy", 0.0, spacing=(1, 1, 1))
 
 
+def test_extract_draws_a_label_where_the_scan_stands_and_caps_it(tmp_path: Path) -> None:
+    """An oblique, mirrored NIfTI: label 2 fills its last four planes, and the cap ends there."""
+    nibabel = pytest.importorskip("nibabel")
+    values = np.zeros((7, 8, 9), np.uint8)
+    values[:, 2:6, 5:] = 2
+    affine = np.array([[-0.6, 0, 0.8, 5], [0.8, 0, 0.6, 6], [0, 2.0, 0, 7], [0, 0, 0, 1]])
+    nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / "labels.nii")
+    mesh = isograde.extract(tmp_path / "labels.nii", label=2, cap=True)
+    index = np.linalg.solve(affine[:3, :3], (mesh.vertices - affine[:3, 3]).T).T
+    assert np.allclose(index.min(axis=0), [0, 1.5, 4.5], atol=1e-6)
+    assert np.allclose(index.max(axis=0), [6, 5.5, 8], atol=1e-6)
+    a, b, c = np.moveaxis(mesh.vertices[mesh.simplices], 1, 0)
+    # A box of 6 x 4 x 3.5 steps, two of its long edges cut off by an eighth of a square.
+    whole = 6 * (4 * 3.5 - 2 * 0.5**2 / 2) * abs(np.linalg.det(affine))
+    assert (a * np.cross(b, c)).sum() / 6 == pytest.approx(whole)
+    with pytest.raises(ValueError, match="no sample has the label 3; there are 0, 2"):
+        isograde.extract(tmp_path / "labels.nii", label=3)
+    for isovalue, label in ((None, None), (1.0, 2)):
+        with pytest.raises(ValueError, match="an isovalue, or a label in its place"):
+            isograde.extract(values, isovalue, label=label)
+
+
 @pytest.mark.slow
 def test_a_script_without_a_guard_is_graded_in_several_processes(tmp_path: Path) -> None:
     """Processes do not run the caller's script again: no fork bomb, and each line printed once."""

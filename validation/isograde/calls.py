@@ -138,6 +138,8 @@ def extract(
 ) -> Mesh:
     """The isosurface of a volume by one of the reference's methods, where the volume stands.
 
+    Vertices are in the file's own coordinates: RAS for NIfTI, LPS for DICOM and what ITK wrote.
+
     Parameters
     ----------
     volume : samples (N1, N2, N3), the path of a file, or the name of a known data set
