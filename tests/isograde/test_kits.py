@@ -289,29 +289,58 @@ def run_line(
     }
 
 
-PRINTS = {
-    "c": ("if (values->count == 0)", 'puts("noise"); '),
-    "cpp": ("if (values.empty())", 'std::cout << "noise" << std::endl; '),
-    "rust": ("if values.is_empty()", 'println!("noise"); '),
-    "go": ("if len(values) == 0", 'fmt.Println("noise"); '),
-    "java": ("if (values.length() == 0)", 'System.out.println("noise"); '),
-    "javascript": ("if (values.length === 0)", 'console.log("noise"); '),
-}
+def changed(name: str, folder: Path, file: str, *changes: tuple[str, str]) -> Path:
+    """A new project with places of a file changed."""
+    write(KITS[name], folder_of(name), folder)
+    text = (folder / file).read_text(encoding="utf-8")
+    for was, now in changes:
+        assert text.count(was) == 1, was
+        text = text.replace(was, now)
+    (folder / file).write_text(text, encoding="utf-8")
+    return folder
+
+
+# By language: a line on standard output, as libraries write them, and vertices that are NaN.
+NOISY = {
+    "c": [("if (values->count == 0)", 'puts("noise"); if (values->count == 0)'),
+          ("at[a] *= spacing[a]", "at[a] *= NAN")],
+    "cpp": [("if (values.empty())", 'std::cout << "noise" << std::endl; if (values.empty())'),
+            ("at[a] *= spacing[a]", "at[a] *= NAN")],
+    "rust": [("if values.is_empty()", 'println!("noise"); if values.is_empty()'),
+             ("at[a] * spacing[a]", "at[a] * f64::NAN")],
+    "go": [("if len(values) == 0", 'fmt.Println("noise"); if len(values) == 0'),
+           ('"errors"\n', '"errors"\n\t"fmt"\n'), ("at[a] *= spacing[a]", "at[a] *= math.NaN()")],
+    "java": [("if (values.length() == 0)", 'System.out.println("x"); if (values.length() == 0)'),
+             ("at[a] *= spacing[a]", "at[a] *= Double.NaN")],
+    "javascript": [("if (values.length === 0)", 'console.log("x"); if (values.length === 0)'),
+                   ("i * spacing[a]", "i * NaN")],
+}  # fmt: skip
 
 
 @pytest.mark.slow
-def test_what_an_extractor_prints_is_kept_apart(project: Path, tmp_path: Path) -> None:
-    """Lines on standard output, as libraries write them, do not mix with answers."""
+def test_prints_are_kept_apart_and_a_vertex_that_is_not_finite_is_told(
+    project: Path, tmp_path: Path
+) -> None:
+    """JSON has no NaN: it comes as null, or, where a language refuses that, as an error."""
     name = project.name
-    place, prints = PRINTS[name]
-    copy = tmp_path / name
-    write(KITS[name], folder_of(name), copy)
-    source = copy / KITS[name].extracts
-    text = source.read_text(encoding="utf-8")
-    assert text.count(place) == 1
-    text = text.replace(place, prints + place).replace('"errors"\n', '"errors"\n\t"fmt"\n')
-    source.write_text(text, encoding="utf-8")
-    assert all(one.status is Status.OK for one in asked(copy, [noise("f8")] * 2))
+    copy = changed(name, tmp_path / name, KITS[name].extracts, *NOISY[name])
+    for outcome in asked(copy, [noise("f8")] * 2):
+        if outcome.status is Status.OK:
+            assert outcome.vertices is not None
+            assert np.isnan(outcome.vertices).all()
+        else:
+            assert (outcome.status, name) == (Status.RAISED, "go")
+            assert "NaN" in outcome.detail
+
+
+@pytest.mark.slow
+def test_a_wrong_row_of_the_table_is_seen_by_check(tmp_path: Path) -> None:
+    """One triangle of 256 rows turned over."""
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler here")
+    found = check(spec_of(changed("c", tmp_path / "c", "table.h", ('"dlh"', '"dhl"'))), 30.0)
+    assert found.started
+    assert not found.right
 
 
 # A part of the plan; the whole plan takes minutes for each kit.
