@@ -55,7 +55,7 @@ def interpolant(values: Any, spacing: Any) -> Callable[..., Any]:
 
     def at(*place: Any) -> Any:
         """The value at a place, or at many."""
-        many = any(isinstance(p, np.ndarray) for p in place)
+        many = isinstance(sum(place), np.ndarray)
         low: Any = 0
         shares = []
         for p, h, size, stride in zip(place, spacing, values.shape, strides, strict=True):
@@ -69,9 +69,12 @@ def interpolant(values: Any, spacing: Any) -> Callable[..., Any]:
 
 def cell_of(index: float, size: int) -> tuple[int, float]:
     """The cell on an axis of so many samples that an index is in, and its share of the cell."""
-    inside = min(max(index, 0.0), size - 1.0)
-    cell = min(int(inside), max(size - 2, 0))
-    return cell, inside - cell
+    if index <= 0.0:
+        return 0, 0.0
+    if index >= size - 1:
+        return size - 1, 0.0
+    cell = int(index)
+    return cell, index - cell
 
 
 def cells(index: Any, size: int) -> tuple[Any, Any]:
@@ -87,4 +90,6 @@ def within(numbers: Any, low: Any, shares: Any) -> Any:
         return numbers[low]
     (share, step), *others = shares
     first = within(numbers, low, others)
+    if isinstance(share, float) and not share:
+        return first
     return first * (1 - share) + within(numbers, low + step, others) * share

@@ -27,7 +27,7 @@ METHODS = {
             "vertices": {"own": 1.0},
             "domain": "closed",
             "conventions": {"tie": "outside", "nan": "answers"},
-            "limits": {"least": 2},
+            "limits": {"least": 2, "samples": 1_000_000},
             "notes": "samples on a body-centred lattice of its own; closes the surface at the "
             "border",
         },
