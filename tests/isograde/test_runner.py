@@ -102,6 +102,16 @@ def test_a_declined_call_is_unsupported() -> None:
     assert judged.findings["a.mesh"] == Finding(Verdict.UNSUPPORTED, "too thin")
 
 
+@pytest.mark.parametrize("status", [Status.TIMEOUT, Status.MEMORY])
+def test_who_is_too_slow_for_a_large_field_has_declined_it(status: Status) -> None:
+    """A small field must be answered in time all the same."""
+    for tags, verdict in ((("large",), Verdict.UNSUPPORTED), ((), Verdict.NOT_RUN)):
+        case = _case("family/one", *tags)
+        stub = Adapter(Outcome(status, detail="no answer"))
+        worker = Worker(stub, Declaration("stub"), {case.id: case}, {"a": _claim("a")})
+        assert worker.judge(Task(case.id, ("a",))).findings["a"].verdict is verdict
+
+
 def test_a_field_outside_the_limits_is_not_sent() -> None:
     adapter = Adapter()
     judged = _judged(

@@ -107,7 +107,8 @@ class Case:
     build : the field, of m components; deterministic
     samples : number of lattice points, so that the smallest failure can be named without building
     tags : families it belongs to ("cells", "pairs", "noise", "bodies", "real", ..); "full" marks
-        what only ``--full`` runs, "posed" what is posed in every way
+        what only ``--full`` runs, "posed" what is posed in every way, "large" what need not be
+        answered within the limits of a call
     facts : what is known, by name: "area", "volume", "euler", "components", ..
     only : globs on the ids of the claims that are judged on it; every claim where there is none
     """

@@ -13,6 +13,7 @@ What becomes of a claim on a case
    is "not run": the fault is counted once, where it is.
 4. Variants are asked only when a claim that needs them is reached.
 5. A case on which the claim could not fail is no evidence: "skip".
+6. Who does not answer a field tagged "large" within the limits of a call counts as declining it.
 
 A judge that raises is a fault of the grader, not of the implementation: the claim is "not run",
 and the report says so at its head.
@@ -307,6 +308,9 @@ class Worker:
                 continue
             calls = "once" if name == "plain" else variants.variant(name, trial.kind).calls
             outcome = self._call(Request(trial.case.id, name, *posed, calls))
+            if "large" in trial.case.tags and outcome.status in (Status.TIMEOUT, Status.MEMORY):
+                told = f"too large for the limits of a call: {outcome.detail}"
+                outcome = Outcome(Status.DECLINED, detail=told)
             self.hangs = self.hangs + 1 if outcome.status is Status.TIMEOUT else 0
             outcomes[name] = outcome
 
