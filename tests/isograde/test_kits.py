@@ -313,7 +313,7 @@ NOISY = {
     "java": [("if (values.length() == 0)", 'System.out.println("x"); if (values.length() == 0)'),
              ("at[a] *= spacing[a]", "at[a] *= Double.NaN")],
     "javascript": [("if (values.length === 0)", 'console.log("x"); if (values.length === 0)'),
-                   ("i * spacing[a]", "i * NaN")],
+                   ("step * spacing[a]", "step * NaN")],
 }  # fmt: skip
 
 

@@ -18,8 +18,17 @@ import { createInterface } from "node:readline";
  * @property {Three[]} vertices index * spacing
  * @property {Three[]} triangles three vertices each, from 0, counterclockwise seen from low values
  * @typedef {(values: Values, shape: Three, isovalue: number, spacing: Three) => Mesh} Extract
+ * @typedef {object} Request a line of the protocol; an isovalue that is not finite is a text
+ * @property {number} id
+ * @property {string} dtype
+ * @property {Three} shape
+ * @property {Three} spacing
+ * @property {(number | string)[]} isovalues
+ * @property {number} offset
+ * @property {string} values the path of the samples' file
  */
 
+/** @type {Record<string, { new (buffer: ArrayBuffer): Values, BYTES_PER_ELEMENT: number }>} */
 const TYPES = {
   b1: Uint8Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array, u8: BigUint64Array,
   i1: Int8Array, i2: Int16Array, i4: Int32Array, i8: BigInt64Array,
@@ -54,6 +63,7 @@ function widened(half) {
 
 /**
  * The samples of a request, read from their file.
+ * @param {Request} asked
  * @returns {Values}
  */
 function samples({ dtype, offset, shape, values: path }) {
@@ -67,11 +77,13 @@ function samples({ dtype, offset, shape, values: path }) {
   if (dtype[0] === ">")
     for (let at = 0; at < bytes.length; at += size) bytes.subarray(at, at + size).reverse();
   const values = new Type(bytes.buffer);
-  return kind === "f2" ? Float32Array.from(values, widened) : values;
+  const halves = kind === "f2" && values instanceof Uint16Array;
+  return halves ? Float32Array.from(values, widened) : values;
 }
 
 /**
  * The answer to a request for a mesh.
+ * @param {Request} asked
  * @param {Extract} extract
  */
 function answer(asked, extract) {

@@ -23,8 +23,8 @@ function extract(values, shape, isovalue, spacing) {
     if (!Number.isFinite(number(value) - isovalue))
       throw new Error("a sample minus the isovalue is no finite number");
 
-  const vertices = [];
-  const triangles = [];
+  /** @type {import("./isograde.mjs").Mesh} */
+  const { vertices, triangles } = { vertices: [], triangles: [] };
   const stride = [shape[1] * shape[2], shape[2], 1];
   // The vertex on each lattice edge, counted from 1; 0 where there is none.
   const vertex = new Uint32Array(3 * values.length);
@@ -34,6 +34,7 @@ function extract(values, shape, isovalue, spacing) {
     for (let y = 0; y + 1 < shape[1]; y++)
       for (let z = 0; z + 1 < shape[2]; z++) {
         // Read the samples at the corners; bit a of c is a step along axis a.
+        /** @param {number} c */
         const place = (c) => [x + (c & 1), y + ((c >> 1) & 1), z + ((c >> 2) & 1)];
         let signs = 0;
         for (let c = 0; c < 8; c++) {
@@ -43,22 +44,22 @@ function extract(values, shape, isovalue, spacing) {
         }
 
         // Copy the triangles of these signs; make the vertices that are not there yet.
-        let triangle = [];
-        for (const letter of TRIANGLES[signs]) {
-          const edge = letter.charCodeAt(0) - "a".charCodeAt(0);
-          const low = LOWER[edge];
-          const axis = edge >> 2;
-          const name = 3 * corner[low] + axis;
-          if (vertex[name] === 0) {
-            const at = place(low);
-            at[axis] += crossing(level[low], level[low | (1 << axis)]);
-            vertex[name] = vertices.push(at.map((i, a) => i * spacing[a]));
-          }
-          triangle.push(vertex[name] - 1);
-          if (triangle.length === 3) {
-            triangles.push(triangle);
-            triangle = [];
-          }
+        const letters = TRIANGLES[signs];
+        for (let start = 0; start < letters.length; start += 3) {
+          const corners = [0, 1, 2].map((k) => {
+            const edge = letters.charCodeAt(start + k) - "a".charCodeAt(0);
+            const low = LOWER[edge];
+            const axis = edge >> 2;
+            const name = 3 * corner[low] + axis;
+            if (vertex[name] === 0) {
+              const at = place(low);
+              at[axis] += crossing(level[low], level[low | (1 << axis)]);
+              const [i, j, k] = at.map((step, a) => step * spacing[a]);
+              vertex[name] = vertices.push([i, j, k]);
+            }
+            return vertex[name] - 1;
+          });
+          triangles.push([corners[0], corners[1], corners[2]]);
         }
       }
   return { vertices, triangles };
