@@ -17,6 +17,7 @@ import pytest
 import typer
 from isograde.adapters import open_adapter
 from isograde.checking import check
+from isograde.command import app
 from isograde.commands.kits import KITS, folder_of, new, write
 from isograde.model import Limits, Outcome, Request, Status, Verdict
 from isograde.oracles.self_intersections import self_intersections
@@ -27,6 +28,7 @@ from isoref.fast.sweep import sweep
 from isoref.field import Array, Field
 from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
+from typer.testing import CliRunner
 
 LONGEST = 150
 TYPES = ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "b1")
@@ -110,6 +112,23 @@ def test_a_folder_with_something_in_it_is_left_alone(
     assert left.value.exit_code == 2
     assert "not empty" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+
+
+def test_what_it_says_to_try_can_be_pasted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever the folder is called: the shell takes one quoting away, and the adapter another."""
+    folder = tmp_path / "my 'own' kit"
+    new("c", folder)
+    *_, last = capsys.readouterr().out.splitlines()
+    isograde, check, spec = shlex.split(last.removeprefix("Try it: "))
+    assert (isograde, check, spec) == ("isograde", "check", spec_of(folder))
+    assert (folder / "run").stat().st_mode & 0o111
+
+
+def test_the_help_names_every_kit() -> None:
+    told = " ".join(CliRunner().invoke(app, ["new", "--help"]).output.split())
+    assert all(f"{name}" in told for name in KITS)
 
 
 @pytest.mark.parametrize(
@@ -353,7 +372,7 @@ GRADED = (
 @pytest.mark.slow
 def test_it_reaches_level_2(project: Path) -> None:
     """Every claim up to level 2, and every other promised one, on a part of the plan."""
-    options = Options(only=GRADED, limits=Limits(seconds=10.0))
+    options = Options(only=GRADED)
     worker = Worker.open(spec_of(project), options)
     found: dict[str, Counter[Verdict]] = {}
     try:

@@ -11,7 +11,8 @@ spacing     a tuple of n floats: how fine the field is, and its own samples shou
 isovalue    a float
 answer      as of any function in Python, in the coordinates of the box
 
-It is judged as one whose vertices stand on a lattice of its own. Where a failure is shown without
+It is judged as one whose vertices stand on a lattice of its own. A program in another language is
+sent samples: it makes a function of them itself, and declares its vertices as its own. Where a failure is shown without
 the grader, the functions of this module are printed: they need NumPy alone.
 """
 

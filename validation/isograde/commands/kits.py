@@ -88,7 +88,7 @@ def new(language: str, folder: Path) -> None:
     say("  run  builds what changed, and answers")
     if missing:
         say(f"[yellow]not found here: {', '.join(missing)}; install it first[/]")
-    say(f"Try it: [bold]isograde check {escape(spec)}[/]")
+    say(f"Try it: [bold]isograde check {escape(shlex.quote(spec))}[/]")
 
 
 def kit_named(language: str) -> str:
@@ -103,8 +103,8 @@ def kit_named(language: str) -> str:
         stop(Exit.WRONG_USE, "a Python function needs no kit: isograde explain python")
     if wanted not in known:
         close = difflib.get_close_matches(wanted, known, n=1)
-        hint = f"did you mean {close[0]}? " if close else ""
-        told = f"no kit for {language!r}; {hint}There are {', '.join(KITS)}"
+        hint = f"did you mean {close[0]}? There" if close else "there"
+        told = f"no kit for {language!r}; {hint} are {', '.join(KITS)}"
         stop(Exit.WRONG_USE, f"{told}; for any other language see isograde explain exec")
     return known[wanted]
 
