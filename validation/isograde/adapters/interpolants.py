@@ -12,8 +12,9 @@ isovalue    a float
 answer      as of any function in Python, in the coordinates of the box
 
 It is judged as one whose vertices stand on a lattice of its own. A program in another language is
-sent samples: it makes a function of them itself, and declares its vertices as its own. Where a failure is shown without
-the grader, the functions of this module are printed: they need NumPy alone.
+sent samples: it makes a function of them itself, and declares its vertices as its own. Where a
+failure is shown without the grader, the functions of this module are printed: they need NumPy
+alone.
 """
 
 from __future__ import annotations
