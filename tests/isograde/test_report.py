@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
@@ -11,6 +12,7 @@ import jsonschema
 import numpy as np
 import pytest
 from isograde.adapters.registry import READY_MADE
+from isograde.claims import CLAIMS as EVERY_CLAIM
 from isograde.declaration import Conventions, Declaration
 from isograde.grading import contrast, grade
 from isograde.model import SURFACES, Case, Finding, Verdict
@@ -20,6 +22,7 @@ from isograde.report.comparison import changes, comparison_page, markdown_table
 from isograde.report.headline import headline
 from isograde.report.junit import junit
 from isograde.report.markdown import markdown
+from isograde.report.oracles import oracles_of
 from isograde.report.page import page
 from isograde.report.picture import picture
 from isograde.report.reading import Report
@@ -220,8 +223,15 @@ def test_a_page_shows_of_every_claim_its_rule_source_and_evidence() -> None:
         assert f'id="{name}"' in text
         assert claim.rule in text
         assert claim.source in text
+        assert f"Judge: pass when it is so{_oracles(name)}." in text
+    assert "Cases that could fail: bodies 1, a 1, b 1." in text
     assert "holds on 3 cases" in text
     assert "holds on 2 cases" in text
+
+
+def _oracles(name: str) -> str:
+    """What a page says of the oracles of a claim of this name."""
+    return f" (oracles: {', '.join(oracles_of(name))})" if oracles_of(name) else ""
 
 
 def test_the_first_screen_says_what_is_wrong_and_what_is_right() -> None:
@@ -251,13 +261,28 @@ def test_a_choice_is_said_in_words_on_the_page() -> None:
     assert "It separates the inside corners of every ambiguous face, by choice." in text
 
 
-@pytest.mark.parametrize("said", ["<script>alert(1)</script>", "a|b\n# c", "`x`\x07", '"/>&'])
-def test_nothing_an_implementation_says_breaks_a_page(said: str) -> None:
-    """Its name, version, notes and errors are text, on every page."""
+HOSTILE = [
+    "<script>alert(1)</script>", "a|b\n# c", "`x`\x07", '"/>&', "</script><img src=x onerror=y>",
+    "]]>", "<!-- ", "--> <b", "\ud800 \udfff", "\x00\x1b[31m\x9b", "\u202etxt.exe", "\ufffe\uffff",
+    "```\n\n# heading", "![x](javascript:y)", "{{ 7*7 }} {% raw %}", "&#x0; &bogus; %s {0}",
+    "| a | b |\n| --- |", "@all #1 ~~x~~ $y$", "x" * 3_000_000, "\u0300" * 5000, "\r\n\t\x0b",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("said", HOSTILE, ids=range(len(HOSTILE)))
+def test_nothing_an_implementation_says_breaks_a_page(said: str, tmp_path: Path) -> None:
+    """Its name, version, notes and errors are text, on every page, and not much of it."""
     broken = row("a", structure__answers="error")
     broken[1].findings["structure.answers"] = Finding(Verdict.ERROR, said)  # type: ignore[index]
     report = made([body(), broken], name=said, version=said, notes=said)
+    harmless = made([body(), row("a", structure__answers="error")], name="it", notes="it")
     text = page(report)
+    for tag in ("<script", "<img", "<b>", "onerror=y>"):
+        assert text.count(tag) == page(harmless).count(tag)
+    for name, (_, make) in FORMATS.items():
+        assert len(make(report)) < len(make(harmless)) + 60_000, name
+    assert len(write(report, tmp_path, "page", FORMATS)) == len(FORMATS)
+    assert len(markdown(report).splitlines()) == len(markdown(harmless).splitlines())
     _well_formed(text)
     assert "<script>alert" not in text + markdown(report) + markdown_table([report])
     assert len(markdown_table([report]).splitlines()) == len(
@@ -266,6 +291,29 @@ def test_nothing_an_implementation_says_breaks_a_page(said: str) -> None:
     _well_formed(comparison_page([report], [""]))
     ET.fromstring(junit(report))
     ET.fromstring(badge(report))
+
+
+def test_every_report_says_when_with_what_and_on_which_cases_it_was_made(report: Report) -> None:
+    """Issue 12: date, commit, checksum of cases, versions in every report."""
+    assert report.footer is not None
+    said = [report.footer["checksum"], report.header["date"], report.header["versions"]["numpy"]]
+    said += [report.header["versions"].get("commit", "")]
+    pages = [page(report), markdown(report), junit(report), markdown_table([report])]
+    for text in [*pages, comparison_page([report], [""])]:
+        assert all(one in text for one in said)
+
+
+def test_the_commit_is_that_of_the_checkout_or_nothing() -> None:
+    found = record.commit()
+    assert found == "" or re.fullmatch(r"[0-9a-f]{7,40}(-dirty)?", found)
+
+
+def test_the_oracles_of_a_claim_are_read_off_its_judge() -> None:
+    assert oracles_of("structure.answers") == ()
+    assert set(oracles_of("topology.trilinear")) >= {"trilinear", "sheets"}
+    assert "degree" in oracles_of("topology.sides")
+    assert oracles_of("no.such") == ()
+    assert sum(bool(oracles_of(name)) for name in EVERY_CLAIM) > 35
 
 
 def test_junit_fails_what_is_promised_and_skips_what_is_not(report: Report) -> None:

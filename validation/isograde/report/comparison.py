@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from isograde.model import BAD
@@ -108,7 +108,22 @@ def markdown_table(reports: Sequence[Report]) -> str:
         parts.append(f"## {name[:1].upper()}{name[1:]}")
         parts += [_headlines(title, group) for title in ORDERS]
         parts.append(_rows(group))
+    parts.append("## How they were run")
+    parts.append("\n".join(_runs(reports)))
     return "\n\n".join(parts) + "\n"
+
+
+RUN = ("date", "commit", "checksum of the cases", "isograde", "python", "numpy")
+
+
+def _runs(reports: Sequence[Report]) -> Iterator[str]:
+    """The rows of a table of when and with what each was run."""
+    yield f"| implementation | {' | '.join(RUN)} |"
+    yield "| --- |" + " --- |" * len(RUN)
+    for report in reports:
+        said = words.run(report)
+        cells = [titled(report), *(said.get(name, "") for name in RUN)]
+        yield f"| {' | '.join(plain(cell) for cell in cells)} |"
 
 
 def _headlines(title: str, reports: Sequence[Report]) -> str:
@@ -179,6 +194,8 @@ def comparison_page(
             tables=tables,
             mark=mark,
             titled=titled,
+            run=words.run,
+            RUN=RUN,
             link_of=lambda report: link_of[id(report)],
             absent=absent or {},
         )

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
+from isograde.adapters.texts import clean
 from isograde.report import words
 from isograde.report.findings import causes
 from isograde.report.headline import headline
 from isograde.report.reading import Report, Summary
-
-# Characters that XML 1.0 cannot hold are left out.
-ALLOWED = {9, 10, 13}
 
 
 def junit(report: Report) -> str:
@@ -25,6 +23,9 @@ def junit(report: Report) -> str:
     counts = {"tests": str(len(summaries)), "failures": str(failures), "skipped": str(skipped)}
     root = ET.Element("testsuites", counts)
     suite = ET.SubElement(root, "testsuite", {"name": _plain(headline(report)), **counts})
+    properties = ET.SubElement(suite, "properties")
+    for name, value in words.run(report).items():
+        ET.SubElement(properties, "property", {"name": name, "value": _plain(value)})
     if report.footer is None:
         ET.SubElement(root, "testsuite", {"name": "the report was cut off", "errors": "1"})
     because = {
@@ -71,5 +72,5 @@ def _add(suite: ET.Element, report: Report, summary: Summary, why: str) -> None:
 
 
 def _plain(text: str) -> str:
-    """The text without characters that XML cannot hold."""
-    return "".join(c for c in text if ord(c) >= 32 or ord(c) in ALLOWED)
+    """The text, cut, with what XML cannot hold spelt out."""
+    return clean(text)

@@ -40,15 +40,17 @@ def plain(text: str) -> str:
     >>> print(plain("<b>a|b c*"))
     &lt;b&gt;a\|b c\*
     """
-    one_line = (
-        " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    )
-    return "".join(f"\\{c}" if c in "\\`*_[]|#" else c for c in one_line)
+    one_line = " ".join(text.split())
+    for character, entity in (("&", "&amp;"), ("<", "&lt;"), (">", "&gt;")):
+        one_line = one_line.replace(character, entity)
+    # A name after an @ would be notified; an empty space keeps it from being one.
+    one_line = one_line.replace("@", "@\u200b")
+    return "".join(f"\\{c}" if c in "\\`*_[]|~$#" else c for c in one_line)
 
 
 def code(text: str) -> str:
-    """Text in code type, on one line, whatever backticks it holds."""
-    return f"`{' '.join(text.split()).replace('`', chr(39))}`"
+    """Text in code type, on one line, whatever backticks and bars it holds."""
+    return f"`{' '.join(text.split()).replace('`', chr(39)).replace('|', chr(0xA6))}`"
 
 
 def _choices(report: Report) -> list[str]:
@@ -92,7 +94,7 @@ def _measured(report: Report) -> str:
     lines = ["<details><summary>Measured</summary>", ""]
     lines += ["| claim | case | figures |", "| --- | --- | --- |"]
     for claim, case, numbers in report.measured:
-        lines.append(f"| `{claim}` | `{case}` | {plain(words.figures(numbers))} |")
+        lines.append(f"| {code(claim)} | {code(case)} | {plain(words.figures(numbers))} |")
     return "\n".join([*lines, "", "</details>"])
 
 
@@ -114,10 +116,11 @@ def _run(report: Report) -> str:
     if footer is None:
         return "The run was cut off."
     versions = header["versions"]
+    commit = f" at commit {plain(versions['commit'])}" if "commit" in versions else ""
     return (
         f"{header['date']}: {footer['cases']:,} cases (checksum {footer['checksum']}), "
         f"{footer['calls']:,} calls, {footer['seconds']:.0f} s, plan {header.get('plan', 1)}, "
         f"seed {header['seed']}; isograde "
-        f"{versions.get('isograde', 'source')}, Python {versions['python']}, NumPy "
+        f"{versions.get('isograde', 'source')}{commit}, Python {versions['python']}, NumPy "
         f"{versions['numpy']}."
     )

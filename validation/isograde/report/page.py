@@ -8,13 +8,14 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from isograde.model import LEVELS
+from isograde.model import EVIDENCE, LEVELS
 from isograde.report import words
 from isograde.report.findings import Cause, causes, rights
 from isograde.report.headline import choices, headline, standing
 from isograde.report.lines import JSON
+from isograde.report.oracles import oracles_of
 from isograde.report.picture import SHOWN_BEYOND, picture
-from isograde.report.reading import CONVENTIONS, Report, Summary
+from isograde.report.reading import CONVENTIONS, Report, Summary, findings_of
 from isograde.report.snippet import snippet
 from isograde.report.viewer import turned_case
 
@@ -76,6 +77,8 @@ def page(report: Report) -> str:
             rights=rights(report),
             causes=found,
             first=_first(found),
+            oracles_of=oracles_of,
+            evidence_of=_evidence_of(report),
             shown={s.id: _shown(report, s) for s in report.failures},
             groups=_groups(report),
             cases=_families_of_cases(report),
@@ -105,6 +108,17 @@ def _groups(report: Report) -> dict[str, list[Summary]]:
     for summary in report.summaries.values():
         groups.setdefault(summary.family, []).append(summary)
     return groups
+
+
+def _evidence_of(report: Report) -> dict[str, dict[str, int]]:
+    """For each claim, how many cases of each family could have failed it."""
+    counts: dict[str, dict[str, int]] = {name: {} for name in report.summaries}
+    for result in report.results:
+        family = result["case"].split("/")[0]
+        for name, verdict, _ in findings_of(result):
+            if verdict in EVIDENCE:
+                counts[name][family] = counts[name].get(family, 0) + 1
+    return counts
 
 
 def _families_of_cases(report: Report) -> dict[str, int]:

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from isograde.adapters.texts import clean
 from isograde.expectations import EVERY, Expected
 from isograde.model import BAD, EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.lines import JSON, ReportError, lines
@@ -498,6 +499,7 @@ def gather(records: Iterable[JSON], place: str = "the report") -> Report:
     """The report these records make. Raises `ReportError` where they do not begin with a header."""
     report: Report | None = None
     for record in records:
+        record = fit(record)
         if record["record"] == "header":
             report = Report(record)
         elif report is None:
@@ -507,6 +509,23 @@ def gather(records: Iterable[JSON], place: str = "the report") -> Report:
     if report is None:
         raise ReportError(f"{place} is empty")
     return report
+
+
+def fit(value: Any) -> Any:
+    """The value with every text in it fit for a page: cut, and unfit characters spelt out.
+
+    A report may have been written by another version, or by hand.
+    """
+    if isinstance(value, str):
+        return clean(value)
+    if isinstance(value, dict):
+        return {key: fit(item) for key, item in value.items()}
+    return [fit(item) for item in value] if isinstance(value, list) and _has_text(value) else value
+
+
+def _has_text(values: list[Any]) -> bool:
+    """Whether the list holds more than numbers."""
+    return not all(isinstance(value, int | float) for value in values)
 
 
 def _add(report: Report, record: JSON) -> None:

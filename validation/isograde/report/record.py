@@ -23,6 +23,8 @@ import inspect
 import json
 import os
 import platform
+import shutil
+import subprocess
 import sys
 from collections import Counter
 from collections.abc import Mapping
@@ -32,6 +34,7 @@ from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from functools import cache
 from importlib import metadata
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from isograde.cases import PLAN
@@ -89,14 +92,33 @@ def header(
 
 @cache
 def versions() -> dict[str, str]:
-    """The versions of Python and of each library of interest that is installed."""
+    """The versions of Python, of each library of interest, and the commit of a checkout of ours."""
     found = {"python": platform.python_version()}
+    if mine := commit():
+        found["commit"] = mine
     for name in LIBRARIES:
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
     return found
+
+
+def commit() -> str:
+    """The commit of the checkout that this package is in, with -dirty where it differs; or nothing.
+
+    An installed copy has none: its version says what it is.
+    """
+    place = Path(__file__).resolve().parent
+    git = shutil.which("git")
+    if git is None or not any((one / ".git").exists() for one in place.parents):
+        return ""
+    asked = [git, "-C", str(place), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        done = subprocess.run(asked, capture_output=True, text=True, timeout=10, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
 
 
 @cache

@@ -121,6 +121,18 @@ def partly(follower: Follower) -> str:
     return f"{follower.cases:,} of the {follower.summary.bad:,} cases of {follower.summary.id}"
 
 
+def run(report: Report) -> dict[str, str]:
+    """What a result can be traced by: implementation, date, cases, seed and versions."""
+    header, footer = report.header, report.footer or {}
+    said = {
+        "implementation": report.spec,
+        "date": str(header["date"]),
+        "checksum of the cases": str(footer.get("checksum", "cut off")),
+        "seed": str(header["seed"]),
+    }
+    return said | {name: str(one) for name, one in header["versions"].items()}
+
+
 def made_from(failure: Failure) -> str:
     """What the smallest case was made from."""
     if failure.case.startswith("given/"):
