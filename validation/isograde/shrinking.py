@@ -66,6 +66,8 @@ def _way(judged: Judged, claim: str) -> tuple[object, ...]:
         finding.verdict,
         frozenset(finding.numbers) & {"vertices", "facets", "spanning", "signs"},
         frozenset(faults),
+        # Of a hole, whether it is none once equal vertices are one.
+        finding.numbers.get("boundary_facets_after_welding", -1) == 0,
     )
 
 

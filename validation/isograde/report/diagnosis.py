@@ -28,7 +28,7 @@ from isograde.report.misplaced import misplacement
 from isograde.report.reading import Report, Summary, findings_of
 
 TRILINEAR, BILINEAR = "topology.trilinear", "topology.bilinear"
-FACE = "wrong face"
+FACE, HOLE = "wrong face", "hole"
 # Chernyaev's cases with a tunnel.
 TUNNELS = ("4.2", "6.1.2", "7.4.2", "10.1.2", "12.1.2", "13.5.2")
 # Say it of so many cells, errors or cases at most.
@@ -431,10 +431,10 @@ def _by_case(report: Report, summary: Summary, seen: Seen | None) -> str:
     judged, wrong = wrong_by_case(report)
     if not wrong:
         return ""
-    faces = report.summaries.get(BILINEAR)
-    if faces is not None and faces.bad:
-        # That finding tells the faces; here it is what is wrong inside the cells.
-        wrong = Counter({key: n for key, n in wrong.items() if key[1] != FACE}) or wrong
+    # What another finding tells of faces and holes is not told again; inside the cells it is.
+    for claim, fault in ((BILINEAR, FACE), ("topology.closed", HOLE)):
+        if (other := report.summaries.get(claim)) is not None and other.bad:
+            wrong = Counter({key: n for key, n in wrong.items() if key[1] != fault}) or wrong
     rows = sorted(wrong.items(), key=lambda row: (-row[1] / judged[row[0][0]], row[0]))
     faults: dict[str, list[str]] = {}
     for (name, fault), n in rows:
