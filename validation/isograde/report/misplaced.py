@@ -25,8 +25,6 @@ def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Flo
     if not len(low) or not len(vertices):
         return ""
     right = np.asarray(low + share[:, None] * (high - low), np.float64)
-    if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
-        return "vertices stand on samples, not on the crossings of the edges between them"
     if _agree(vertices, right) > 1 - MOST:
         return _by_share(vertices, low, high, share)
     for axes, said in ((slice(None), ""), (slice(None, None, -1), "in reversed order of the axes")):
@@ -35,6 +33,8 @@ def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Flo
         for told, scale, shift in _maps(np.array(values.shape, float), spacing):
             if _agree((vertices[:, axes] - shift) / scale, right) >= MOST:
                 return f"vertices are {told}{', and ' + said if said else ''}"
+    if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
+        return "vertices stand on samples, not on the crossings of the edges between them"
     return _by_share(vertices, low, high, share)
 
 
