@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.report.viewer import turned_case
-from isoref import kuhn
+from isoref import asymptotic_decider, kuhn
 from isoref.cube import CORNERS
 from isoref.diconex import Mode, diconex
 from isoref.fast import simplicial
@@ -62,7 +62,9 @@ def cells() -> Floats:
     """(n, 8) a thousand cells: noise, near-ties in the last place, decimals, mixed magnitudes."""
     rng = np.random.default_rng(17)
     checkers = np.array([1 - 2 * (sum(corner) % 2) for corner in CORNERS])
-    noise = rng.uniform(-1, 1, (300, 8))
+    noise = rng.uniform(-1, 1, (298, 8))
+    # Two roots that are one: body saddles on the isovalue, which is no tunnel.
+    touching = np.array([[3.0, -1, -1, -1, -1, -1, -1, 3]]) * [[1], [-1]]
     checkered = rng.uniform(0.05, 1, (300, 8)) * checkers * rng.choice([-1, 1], (300, 1))
     decimals = np.round(rng.uniform(-1, 1, (200, 8)), 1)
     mixed = rng.uniform(-1, 1, (100, 8)) * 10.0 ** rng.integers(-150, 150, (100, 8))
@@ -70,7 +72,7 @@ def cells() -> Floats:
     tied = np.abs(rng.uniform(0.1, 1, (100, 8))) * checkers
     tied[:, 3] = tied[:, 1] * tied[:, 2] / tied[:, 0]
     tied[::2, 3] = np.nextafter(tied[::2, 3], 10)
-    return np.concatenate([noise, checkered, decimals, mixed, tied])
+    return np.concatenate([noise, touching, checkered, decimals, mixed, tied])
 
 
 def rule_of(name: str, tables: ModuleType) -> Rule:
@@ -187,9 +189,9 @@ def test_decisions_and_points_are_those_of_isoref(
 
 def test_a_swept_field_is_that_of_isoref(page: str, tmp_path: Path) -> None:
     """The same triangles in the same places, for every rule; and the same wrong cells."""
-    values = np.round(np.random.default_rng(4).uniform(-1, 1, (6, 5, 4)), 3)
+    values = np.round(np.random.default_rng(7).uniform(-1, 1, (8, 8, 7)), 3)
     script = f"""
-      const grid = {{ shape: [6, 5, 4], values: {json.dumps(values.ravel().tolist())} }};
+      const grid = {{ shape: [8, 8, 7], values: {json.dumps(values.ravel().tolist())} }};
       return Object.fromEntries([...explorer.tables.rules].map(([name, rule]) => {{
         const {{ points, triangles }} = explorer.sweep(explorer.tables, rule, grid, 0.1);
         const {{ wrong, active }} = explorer.wrongCells(explorer.tables, rule, grid, 0.1);
@@ -205,8 +207,25 @@ def test_a_swept_field_is_that_of_isoref(page: str, tmp_path: Path) -> None:
         np.testing.assert_allclose(mine, corners_of(mesh.vertices, mesh.simplices), atol=1e-7)
         assert (answer["open"] > 0) == (name == "lorensen-cline"), name
     assert told["trilinear-cubes"]["wrong"] == []
-    assert told["asymptotic-decider"]["wrong"] != told["lorensen-cline"]["wrong"]
+    for name in ("asymptotic-decider", "marching-vesta-mixed-L"):
+        assert told[name]["wrong"] == unlike_the_interpolant(RULES[name], values - 0.1)
+    assert told["asymptotic-decider"]["wrong"], "tunnels"
     assert set(told["asymptotic-decider"]["wrong"]) < set(told["lorensen-cline"]["wrong"])
+
+
+def unlike_the_interpolant(rule: Rule, g: Floats) -> list[int]:
+    """The cells in which a rule that asks the faces decides unlike the interpolant, in order."""
+    wrong = []
+    for n, cell in enumerate(np.ndindex(*(side - 1 for side in g.shape))):
+        column = np.array([[g[tuple(np.add(cell, corner))]] for corner in CORNERS])
+        signs = sum(1 << c for c in range(8) if column[c, 0] >= 0)
+        mine, truth = (
+            int(one.decisions(column)[0]) if one.asks(signs) else 0
+            for one in (rule, RULES["trilinear-cubes"])
+        )
+        if mine != truth:
+            wrong.append(n)
+    return wrong
 
 
 def corners_of(points: Floats, triangles: Any) -> Floats:
@@ -239,6 +258,89 @@ def test_contours_are_those_of_isoref(page: str, mode: Mode, tmp_path: Path) -> 
     theirs = sorted(np.round(mesh.vertices[mesh.simplices], 9).tolist())
     assert len(mine) > 30
     np.testing.assert_allclose(mine, theirs, atol=1e-8)
+
+
+def test_a_square_is_decided_as_isoref_decides_it(page: str, tmp_path: Path) -> None:
+    """The asymptotic decider on ambiguous squares, saddles on the isovalue among them."""
+    rng = np.random.default_rng(9)
+    sizes = rng.integers(1, 9, (400, 4)) / 8
+    squares = sizes * np.array([1, -1, -1, 1]) * rng.choice([-1, 1], (400, 1))
+    script = f"return {json.dumps(squares.tolist())}.map((g) => explorer.saddleJoins(g));"
+    a, b, d, c = squares.T  # corner 3 is opposite to corner 0
+    apart = asymptotic_decider.separated(a, b, c, d)
+    assert found(page, script, tmp_path) == (~apart).tolist()
+    assert (a * c == b * d).sum() > 10
+
+
+def test_the_topology_changes_at_marks_only(page: str, tmp_path: Path) -> None:
+    """Along the isovalue signs and decisions change where an event is marked, and nowhere else.
+
+    Events are exact, so between two isovalues without one between them nothing may change. Of the
+    other way round, each corner and each saddle of a face that is marked changes something.
+    """
+    values = np.random.default_rng(12).uniform(-1, 1, (60, 8))
+    script = f"""
+      const {{ tables }} = explorer, rule = tables.rules.get("trilinear-cubes");
+      return {json.dumps(values.tolist())}.map((cell) => {{
+        const marks = explorer.events(tables, cell);
+        const name = (isovalue) => {{
+          const {{ signs, decisions }} = explorer.draw(tables, rule, cell.map((x) => x - isovalue));
+          return signs | decisions << 8;
+        }};
+        let changes = 0, wrong = 0, idle = 0, body = 0;
+        for (let i = 0; i < 2000; i++) {{
+          const [low, high] = [-1 + i / 1000, -1 + (i + 1) / 1000];
+          if (name(low) === name(high)) continue;
+          changes++;
+          if (!marks.some((one) => low <= one.isovalue && one.isovalue <= high)) wrong++;
+        }}
+        for (const {{ isovalue, kind }} of marks) {{
+          if (kind === "body saddle") body++;
+          else if (name(isovalue - 1e-9) === name(isovalue + 1e-9)) idle++;
+        }}
+        return {{ changes, wrong, idle, body }};
+      }});
+    """
+    told = found(page, script, tmp_path)
+    assert sum(one["changes"] for one in told) > 60 * 8
+    assert sum(one["body"] for one in told) > 5
+    assert [one["wrong"] for one in told] == [0] * 60
+    assert [one["idle"] for one in told] == [0] * 60
+
+
+def test_contours_of_faces_lie_on_the_level_set(page: str, tmp_path: Path) -> None:
+    """Pieces of hyperbolas: on each face as many as the polygons have sides there."""
+    values = cells()[:600]
+    script = f"""
+      const {{ tables }} = explorer, rule = tables.rules.get("trilinear-cubes");
+      return {json.dumps(values.tolist())}.map((g) => {{
+        const {{ signs, decisions, points }} = explorer.draw(tables, rule, g);
+        let worst = 0, wrong = 0, pieces = 0;
+        for (let f = 0; f < 6; f++) {{
+          const rows = explorer.contour(tables, g, f);
+          for (const p of rows.flat())
+            worst = Math.max(worst, Math.abs(explorer.interpolate(g, p)));
+          const edges = tables.faceEdges[f];
+          const sides = tables.polygons[signs | (decisions & 63) << 8].flatMap((word) => {{
+            const nodes = [...word].map((letter) => parseInt(letter, 36));
+            return nodes.map((e, i) => [e, nodes[(i + 1) % nodes.length]]);
+          }}).filter((side) => side.every((e) => edges.includes(e)));
+          pieces += rows.length;
+          // Each piece ends where a side of a polygon does.
+          const near = (p, q) => Math.hypot(...p.map((x, k) => x - q[k])) < 1e-6;
+          const joins = (row, [a, b]) =>
+            (near(row[0], points[a]) && near(row.at(-1), points[b])) ||
+            (near(row[0], points[b]) && near(row.at(-1), points[a]));
+          const all = sides.every((side) => rows.some((row) => joins(row, side)));
+          if (rows.length !== sides.length || !all) wrong++;
+        }}
+        return {{ worst, wrong, pieces }};
+      }});
+    """
+    told = found(page, script, tmp_path)
+    assert sum(one["pieces"] for one in told) > 2000
+    assert max(one["worst"] for one in told) < 1e-9
+    assert sum(one["wrong"] for one in told) == 0
 
 
 def test_slices_in_four_dimensions_are_those_of_min(page: str, tmp_path: Path) -> None:
