@@ -25,7 +25,6 @@ from isograde.adapters.loading import called
 from isograde.causes import roots
 from isograde.declaration import Declaration
 from isograde.drafts import Draft, fingerprint, unfinished
-from isograde.errata import PLAN
 from isograde.expectations import Expectations, is_expected
 from isograde.model import (
     BAD,
@@ -190,7 +189,7 @@ def _beginning(
     """
     judged = {name for task in tasks for name in task.claims}
     header = record.header(called(spec), worker.declaration, options, list(arguments), expected)
-    header |= {"plan": PLAN, "tasks": checksum(tasks), "fingerprint": fingerprint(spec)}
+    header |= {"tasks": checksum(tasks), "fingerprint": fingerprint(spec)}
     claims = [
         record.claim_record(claim, worker.declaration)
         for name, claim in worker.claims.items()

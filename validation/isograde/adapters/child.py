@@ -11,7 +11,6 @@ bears a mark, by which children of it are found that began a session of their ow
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import re
 import select
@@ -26,6 +25,12 @@ from pathlib import Path
 
 import psutil
 
+try:
+    import fcntl
+except ImportError:  # Windows, where `Child` refuses.
+    fcntl = None  # type: ignore[assignment]
+
+from isograde.adapters.system import require
 from isograde.model import Limits, Status
 
 TICK = 0.02
@@ -66,9 +71,15 @@ class Child:
     ):
         """Start `command`, a string for the shell or a sequence of words.
 
+        Raises
+        ------
+        AdapterError
+            where the system lacks what watching a process takes.
+
         With `guarded` the child gets one more word: the number of a descriptor to which it turns
         its standard output once it has put the protocol's aside.
         """
+        require()
         self.errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         self.prints = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         self._mark = uuid.uuid4().hex

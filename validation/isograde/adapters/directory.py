@@ -24,7 +24,7 @@ import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,8 @@ from isograde.variants import is_bad_input
 FORMAT = 2
 VERTICES, SIMPLICES = ".vertices.npy", (".simplices.npy", ".faces.npy")
 MANIFEST = "manifest.json"
+# What a path below the manifest may have, in characters, and a kind in axes.
+LONGEST_PATH, LONGEST_NAME, MOST_AXES = 1000, 200, 16
 DECLARATION = "declaration.json"
 ANSWER = (
     "beside the values, same name: .ply .obj .off .stl, .json, or .vertices.npy and .simplices.npy"
@@ -91,6 +93,8 @@ class DirectoryAdapter:
         self._limits = limits
         manifest = self._json(MANIFEST, "write one with `isograde export`")
         check_json(manifest, "manifest", str(self._folder / MANIFEST))
+        for entry in manifest["fields"]:
+            _check_entry(entry, self._folder / MANIFEST)
         self._entries = {(entry["id"], entry["variant"]): entry for entry in manifest["fields"]}
         self.declaration = self._declared()
         if self._needs_trimesh() and find_spec("trimesh") is None:
@@ -162,6 +166,8 @@ class DirectoryAdapter:
     def _read(self, path: Path, kind: Kind) -> Arrays:
         """The arrays of an answer; raises `AnswerError`."""
         limit = self._limits.megabytes * MEGABYTE
+        if not path.resolve().is_relative_to(self._folder.resolve()):
+            raise AnswerError(f"{path.name} is a link that leads outside the folder")
         if path.suffix == ".json":
             return json_in(path, limit, kind)
         if path.suffix != ".npy":
@@ -196,6 +202,19 @@ class DirectoryAdapter:
             raise UnknownName(f"{path} does not exist; {hint}") from None
         except (OSError, ValueError) as error:
             raise AdapterError(f"{path} cannot be read: {error}") from error
+
+
+def _check_entry(entry: Mapping[str, Any], manifest: Path) -> None:
+    """Raise `AdapterError` unless an entry of the manifest names files below it, and a kind."""
+    for name in ("values", "nrrd"):
+        path = str(entry.get(name, ""))
+        parts = PurePosixPath(path).parts
+        fit = path.isprintable() and len(path) <= LONGEST_PATH and path[:1] not in ("/", "~", "\\")
+        if ".." in parts or not fit or max(map(len, parts), default=0) > LONGEST_NAME:
+            raise AdapterError(f"{manifest}: {name} {path!r:.80} is no path below the manifest")
+    n, m = entry["kind"]
+    if not n >= m >= 1 or n > MOST_AXES:
+        raise AdapterError(f"{manifest}: there is no kind {[n, m]!r:.80}: n >= m >= 1 are wanted")
 
 
 def _answers(values: Path) -> list[Path]:

@@ -20,6 +20,8 @@ import tempfile
 import weakref
 from pathlib import Path
 
+from isograde.adapters.system import require
+
 PREFIX = "isograde-run-"
 VARIABLE = "ISOGRADE_EXCHANGE"
 FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -108,6 +110,7 @@ _BASES: dict[int, Path] = {}
 
 def base() -> Path:
     """The folder of this process, or of the one that started it to grade with it."""
+    require()
     known = _BASES.get(os.getpid())
     if known is not None and known.is_dir():
         return known

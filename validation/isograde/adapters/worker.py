@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import faulthandler
 import os
-import resource
 import signal
 import sys
 import threading
@@ -307,6 +306,8 @@ class Memory:
     def peak(self) -> int:
         """The largest number of resident bytes, since `reset` where the system can."""
         if self._status < 0:
+            import resource  # What is no Linux has no /proc, and some systems not even this.
+
             unit = 1 if sys.platform == "darwin" else 1024
             return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
         status = os.pread(self._status, 1 << 14, 0)

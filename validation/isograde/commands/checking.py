@@ -6,11 +6,12 @@ import typer
 from rich.markup import escape
 
 from isograde import checking
-from isograde.commands.console import Exit, say
+from isograde.commands.console import Exit, say, warn_of_foreign
 
 
 def check(spec: str, timeout: float) -> None:
     """What was found is printed; status 0 where nothing is to be mended."""
+    warn_of_foreign(spec)
     checked = checking.check(spec, timeout)
     for word, sentence in checked.told:
         colour = {"right": "green", "note": "dim"}.get(word, "red")

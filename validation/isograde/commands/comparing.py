@@ -29,6 +29,8 @@ def read_report(path: Path) -> reading.Report:
 def diff(before: Path, after: Path) -> None:
     """What changed between two reports is printed; status 1 where a case broke."""
     old, new = read_report(before), read_report(after)
+    if told := comparison.unlike([old, new]):
+        errors.print(f"[yellow]{escape(told)}[/]")
     found = comparison.changes(old, new)
     for change in found:
         say(f"[bold]{change.claim}[/]: {change.before} → {change.after}")
@@ -49,6 +51,8 @@ def compare(files: list[Path], out: Path | None, *, choose: bool = False) -> Non
     if choose and (out is None or out.suffix != ".html"):
         stop(Exit.WRONG_USE, "--choose writes a page: name an .html file with --out")
     found = [read_report(path) for path in files]
+    if told := comparison.unlike(found):
+        stop(Exit.WRONG_USE, told)
     if out is not None:
         if out.suffix not in {".html", ".md"}:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")

@@ -79,6 +79,15 @@ def stop(status: Exit, message: str) -> NoReturn:
     raise typer.Exit(status)
 
 
+def warn_of_foreign(spec: str) -> None:
+    """Say once, where code runs that did not come with the grader, what is kept from it."""
+    if spec.startswith(("python:", "exec:")):
+        _made("errors").print(
+            "[dim]It runs as you: its time, memory and crashes are contained, its files and its "
+            "network are not (SECURITY.md).[/]"
+        )
+
+
 def say(text: str) -> None:
     """Print a line, however long it is."""
     _made("console").print(text, soft_wrap=True)

@@ -17,7 +17,7 @@ from isograde.adapters import ready_made_names
 from isograde.adapters.exchange import TemporaryFull
 from isograde.cases.own import OwnCasesError
 from isograde.commands.comparing import read_report
-from isograde.commands.console import Exit, console, errors, say, status_of, stop
+from isograde.commands.console import Exit, console, errors, say, status_of, stop, warn_of_foreign
 from isograde.drafts import Busy, NotResumed, unfinished
 from isograde.expectations import (
     EVERY,
@@ -67,6 +67,7 @@ def grade_one(
     known: Known = Known(),
 ) -> None:
     """One implementation graded, its report written and told."""
+    warn_of_foreign(spec)
     path = out / "report.jsonl"
     with _faults_told(path):
         result = _grade(spec, options, path, resume, expectations(known.read))

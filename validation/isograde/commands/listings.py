@@ -109,8 +109,17 @@ def explain(name: str) -> None:
     if name in GUIDES:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return
+    from isograde import errata
     from isograde.claims import CLAIMS
 
+    if (verdict := errata.parsed(name)) is not None:
+        plan, seed, name, case = verdict
+        console.print(f"the verdict of plan {plan}, seed {seed}, on [bold]{escape(case)}[/]")
+        told = [
+            f"erratum {one.id} ({one.date}): {one.told}"
+            for one in errata.errata_of(plan, name, case)
+        ]
+        console.print("\n".join(told or ["no erratum is known of it"]), markup=False)
     found = [c for known, c in CLAIMS.items() if name in (known, known.split(".")[0])]
     if not found:
         close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES, "protocol"], n=3, cutoff=0.4)

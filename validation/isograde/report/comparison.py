@@ -35,6 +35,19 @@ class Change:
     mended: tuple[str, ...]
 
 
+def unlike(reports: Sequence[Report]) -> str:
+    """Why reports are not to be laid side by side, or nothing: what differs might be the grader."""
+    for name, said in (
+        ("the version of the plan", {one.plan: one.name for one in reports}),
+        ("the seed", {one.header["seed"]: one.name for one in reports}),
+        ("--full", {one.header["full"]: one.name for one in reports}),
+    ):
+        if len(said) > 1:
+            told = ", ".join(f"{value} for {who}" for value, who in said.items())
+            return f"reports of unlike plans: {name} is {told}; grade again by the same"
+    return ""
+
+
 def changes(before: Report, after: Report) -> list[Change]:
     """The claims on which some case went from good to bad, or from bad to good."""
     old, new = _bad_cases(before), _bad_cases(after)

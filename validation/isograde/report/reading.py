@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from isograde.adapters.texts import clean
+from isograde.errata import Erratum, errata_of, verdict_id
 from isograde.expectations import EVERY, Expected
 from isograde.model import BAD, EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.lines import JSON, ReportError, lines
@@ -252,8 +253,16 @@ class Report:
 
     @property
     def plan(self) -> int:
-        """The version of the plan; 0 for reports from before versions were kept."""
-        return int(self.header.get("plan", 0))
+        """The version of the plan; 1 for reports from before versions were kept."""
+        return int(self.header.get("plan", 1))
+
+    def verdict_id(self, claim: str, case: str) -> str:
+        """The id of a verdict of this report."""
+        return verdict_id(self.plan, int(self.header["seed"]), claim, case)
+
+    def errata(self, claim: str, case: str) -> list[Erratum]:
+        """What was found to be wrong with a verdict since."""
+        return errata_of(self.plan, claim, case)
 
     @cached_property
     def summaries(self) -> dict[str, Summary]:
@@ -501,10 +510,14 @@ def gather(records: Iterable[JSON], place: str = "the report") -> Report:
     for record in records:
         record = fit(record)
         if record["record"] == "header":
+            if report is not None:
+                raise ReportError(f"{place} has two headers: it is two reports in one file")
             report = Report(record)
         elif report is None:
             raise ReportError(f"{place} does not begin with a header")
         else:
+            if told := _unknown(report, record):
+                raise ReportError(f"{place}: {told}, which has no line of its own before")
             _add(report, record)
     if report is None:
         raise ReportError(f"{place} is empty")
@@ -526,6 +539,20 @@ def fit(value: Any) -> Any:
 def _has_text(values: list[Any]) -> bool:
     """Whether the list holds more than numbers."""
     return not all(isinstance(value, int | float) for value in values)
+
+
+def _unknown(report: Report, record: JSON) -> str:
+    """What a record speaks of that no record before it has introduced, or nothing."""
+    if record["record"] == "result":
+        if record["case"] not in report.cases:
+            return f"a result on the case {record['case']!r:.80}"
+        named = [*record["passed"], *record["measured"]]
+        named += [one["claim"] for one in record["findings"]]
+        strange = [name for name in named if name not in report.claims]
+        return f"a result of the claim {strange[0]!r:.80}" if strange else ""
+    if record["record"] == "evidence" and record["claim"] not in report.claims:
+        return f"evidence of the claim {record['claim']!r:.80}"
+    return ""
 
 
 def _add(report: Report, record: JSON) -> None:
