@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import os
+import textwrap
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -243,3 +244,19 @@ def test_vtks_surface_comes_out(posed: str) -> None:
     assert rows.shape == faces.shape
     if posed == "smooth":
         assert enclosed(mine, rows) == pytest.approx(enclosed(points, faces), rel=1e-4)
+
+
+def test_what_the_page_shows_at_its_end_runs() -> None:
+    """Caps, several isovalues, absent samples, directions, provenance and the clean-up."""
+    page = (ROOT / "docs" / "coming_from.rst").read_text(encoding="utf-8")
+    shown = page.partition(".. code-block:: python\n")[2]
+    program = textwrap.dedent(shown)
+    assert program.count("extract(") == 5
+    values = 1 - (((np.indices((9, 9, 9)) - 4) / 4.0) ** 2).sum(axis=0)
+    names: dict[str, Any] = {
+        "values": values,
+        "frame": [[0, 1, 0], [1, 0, 0], [0, 0, 1]],
+        "rgb": np.indices((9, 9, 9)) / 8.0,
+    }
+    exec(program, names)
+    assert len(names["outer"].vertices) > len(names["inner"].vertices) > 0

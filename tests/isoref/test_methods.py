@@ -1,6 +1,7 @@
 """The catalogue: one call for every method, in either precision."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,8 +68,17 @@ def test_every_method_draws_where_the_field_stands(method: str, mirrored: bool) 
     assert len(mesh.simplices) > 20
     turned = plain.simplices if field.handedness > 0 else plain.simplices[:, [0, 2, 1]]
     assert np.array_equal(mesh.simplices, turned)
-    same = extract(values, 0.1, field.spacing, field.origin, method, directions=field.directions)
+    given: dict[str, Any] = {
+        "spacing": field.spacing,
+        "origin": field.origin,
+        "directions": field.directions,
+    }
+    same = extract(values, 0.1, method=method, **given)
     assert np.array_equal(same.vertices, mesh.vertices)
+    single = extract(values, 0.1, method=method, precision="single", **given)
+    assert single.vertices.dtype == np.float32
+    assert np.allclose(single.vertices, mesh.vertices, rtol=0, atol=1e-5)
+    assert np.array_equal(single.simplices, mesh.simplices)
 
 
 def test_plain_articles_draw_where_the_field_stands() -> None:
