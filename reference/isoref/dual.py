@@ -46,7 +46,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import NamedTuple
 
@@ -55,7 +55,7 @@ import numpy as np
 from isoref.cube import CORNER_OFFSETS, EDGE_OF, FACE_EDGES, corner_at, crossed_edges
 from isoref.cycles import Polygon
 from isoref.field import Booleans, Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.sweep import cell_crossings, check_volume
 
 Cell = tuple[int, int, int]
@@ -97,7 +97,7 @@ def inner_edges(signs: int, border: int) -> frozenset[int]:
 
 
 @in_space
-def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
+def surface(rule: DualRule, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
     """The rule's surface of a volume, in triangles, its normals from high values to low ones.
 
     Parameters
@@ -105,13 +105,22 @@ def surface(rule: DualRule, field: Field, isovalue: float) -> Mesh:
     rule : `isoref.surface_nets.RULE` or `isoref.dual_marching_cubes.RULE`
     field : one value a sample on a lattice (N1, N2, N3)
     isovalue : in the unit of the samples
+    provenance : also say of each vertex in which cell it is (`isoref.mesh.Provenance`)
 
     Raises
     ------
     FieldError
         for a field that is not a scalar volume, or an isovalue that is no finite number.
     """
-    return in_triangles(*quads(rule, field, isovalue))
+    vertices, rows, cells = drawn(rule, field, isovalue)
+    mesh = in_triangles(vertices, rows)
+    return replace(mesh, provenance=provenance_of(cells, mesh, field)) if provenance else mesh
+
+
+def provenance_of(cells: Integers, mesh: Mesh, field: Field) -> Provenance:
+    """That of a mesh whose vertices are in the cells with these lowest samples, (V,)."""
+    ends = np.stack([cells, np.full(len(cells), -1)], axis=1)
+    return Provenance(ends, np.full(len(cells), np.nan), np.full(len(mesh.simplices), -1), field)
 
 
 def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers]:
@@ -125,11 +134,20 @@ def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Intege
     >>> len(vertices), len(rows)
     (8, 6)
     """
+    return drawn(rule, field, isovalue)[:2]
+
+
+def drawn(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers, Integers]:
+    """Vertices (V, 3) and quadrilaterals (Q, 4), and the lowest sample of each vertex's cell (V,).
+
+    Parameters and errors are those of `surface`.
+    """
     check_volume(field)
     alpha = check_isovalue(isovalue)
     inside = inside_samples(field, alpha)
     relative = field.values.astype(np.float64) - alpha
     places: list[Floats] = []
+    cells: list[int] = []
     corner: dict[tuple[Cell, int], int] = {}
 
     # Make the vertices of each cell, and note across which of its edges each is a corner.
@@ -142,6 +160,7 @@ def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Intege
             corner |= {(cell, e): len(places) for e in patch.quads}
             inner = cell_crossings(g)[list(patch.crossings), 0].mean(axis=0)
             places.append(field.position(cell + inner))
+            cells.append(int(np.ravel_multi_index(cell, field.shape)))
 
     # Join the four vertices round each crossed lattice edge that is no edge of the border.
     rows = []
@@ -151,7 +170,8 @@ def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Intege
             if all((cell, e) in corner for cell, e in round_it):
                 row = [corner[cell, e] for cell, e in round_it]
                 rows.append(row if inside[low] else [row[0], *row[:0:-1]])
-    return np.array(places).reshape(-1, 3), np.array(rows, np.int64).reshape(-1, 4)
+    vertices = np.array(places).reshape(-1, 3)
+    return vertices, np.array(rows, np.int64).reshape(-1, 4), np.array(cells, np.int64)
 
 
 def _cells(shape: tuple[int, ...]) -> Iterator[Cell]:

@@ -65,7 +65,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations, product
 from typing import NamedTuple
@@ -75,7 +75,7 @@ import numpy as np
 from isoref.cube import CORNER_OFFSETS, CORNERS, corner_at
 from isoref.field import Field, FieldError, Floats, check_isovalue, inside_samples
 from isoref.kuhn import chains
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 Place = tuple[int, ...]
@@ -258,7 +258,7 @@ def _parity(order: Sequence[int]) -> int:
 
 
 @in_space
-def surface(split: Split, field: Field, isovalue: float) -> Mesh:
+def surface(split: Split, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
     """The level set of the function that is linear on each tetrahedron, from high to low.
 
     Parameters
@@ -266,6 +266,7 @@ def surface(split: Split, field: Field, isovalue: float) -> Mesh:
     split : `KUHN`, `FIVE`, or one made by `Split.of`; its first block begins at the first sample
     field : one value a sample on a lattice (N1, N2, N3)
     isovalue : in the unit of the samples
+    provenance : also say where vertices and triangles come from (`isoref.mesh.Provenance`)
 
     Raises
     ------
@@ -281,9 +282,12 @@ def surface(split: Split, field: Field, isovalue: float) -> Mesh:
     g = field.values.astype(np.float64) - alpha
     vertices: list[Floats] = []
     number: dict[tuple[Place, Place], int] = {}
+    ends: list[list[int]] = []
+    parameters: list[float] = []
     triangles: list[list[int]] = []
+    cells: list[int] = []
 
-    for cell in product(*(range(n - 1) for n in field.shape)):
+    for k, cell in enumerate(product(*(range(n - 1) for n in field.shape))):
         points = [tuple((cell + offset).tolist()) for offset in CORNER_OFFSETS]
         signs = sum(1 << c for c in range(8) if inside[points[c]])
         for tetrahedron in split.at(cell):
@@ -295,8 +299,19 @@ def surface(split: Split, field: Field, isovalue: float) -> Mesh:
                         number[high, low] = len(vertices)
                         t = crossing_parameter(np.array(g[low]), np.array(g[high]))
                         vertices.append(field.position(low + t * np.subtract(high, low)))
+                        ends.append(sorted((flat_index(high, field), flat_index(low, field))))
+                        parameters.append(float(t if low < high else 1 - t))
                 triangles.append([number[name] for name in names])
+                cells.append(k)
 
-    if not triangles:
-        return Mesh.empty(3, 2)
-    return Mesh.of(vertices, triangles)
+    mesh = Mesh.of(vertices, triangles) if triangles else Mesh.empty(3, 2)
+    if not provenance:
+        return mesh
+    pairs = np.array(ends, np.int64).reshape(-1, 2)
+    found = Provenance(pairs, np.array(parameters), np.array(cells, np.int64), field)
+    return replace(mesh, provenance=found)
+
+
+def flat_index(place: Place, field: Field) -> int:
+    """The number of a sample, in C order."""
+    return int(np.ravel_multi_index(place, field.shape))

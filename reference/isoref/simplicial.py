@@ -46,7 +46,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import factorial
 from typing import NamedTuple
@@ -63,7 +63,7 @@ from isoref.kuhn import (
     signs,
     strides,
 )
-from isoref.mesh import Mesh, in_space
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.simplex_section import crossing, section_table, with_epsilon
 
 Isovalue = float | Sequence[float]
@@ -108,6 +108,7 @@ def extract(
     *,
     rule: str = "staircase",
     epsilon: float | None = None,
+    provenance: bool = False,
 ) -> Mesh:
     """The isosurface of `field`: (n-m)-simplices on shared vertices.
 
@@ -117,6 +118,8 @@ def extract(
     isovalue : one number for all components, or one a component
     rule : a name of `isoref.simplex_section.RULES`
     epsilon : replace exact zeros by this number, as the paper does; by default nothing is changed
+    provenance : for one component, also say where vertices and simplices come from
+        (`isoref.mesh.Provenance`)
 
     Returns
     -------
@@ -134,7 +137,8 @@ def extract(
     Mesh(22 vertices in R^2, 22 simplices of dimension 1)
     """
     complex_ = section_of_field(field, isovalue, rule, epsilon)
-    return to_mesh(complex_, field.spacing, field.origin)
+    mesh = to_mesh(complex_, field.spacing, field.origin)
+    return replace(mesh, provenance=provenance_of(complex_, field)) if provenance else mesh
 
 
 def section_of_field(
@@ -311,6 +315,28 @@ def to_mesh(complex_: Complex, spacing: Sequence[float], origin: Sequence[float]
         negative = complex_.signs < 0
         rows[negative, -2:] = rows[negative, -2:][:, ::-1]
     return Mesh(complex_.points * spacing + origin, rows)
+
+
+def provenance_of(complex_: Complex, field: Field) -> Provenance:
+    """Where the vertices and simplices of a section by one component come from.
+
+    Raises
+    ------
+    FieldError
+        for several components.
+    """
+    if field.components != 1:
+        raise FieldError(
+            f"a vertex where {field.components} components meet lies on no edge of the lattice"
+        )
+    n = field.dimension
+    ends = complex_.names
+    low, high = (np.stack(np.unravel_index(end, field.shape), axis=1) for end in ends.T)
+    # The ends differ by 0 or 1 along every axis.
+    along = (complex_.points - low).sum(axis=1) / (high - low).sum(axis=1)
+    lowest = np.unravel_index(complex_.parents // factorial(n), field.shape)
+    cells = np.ravel_multi_index(lowest, tuple(N - 1 for N in field.shape))
+    return Provenance(ends, along, np.asarray(cells), field)
 
 
 def jacobian_signs(complex_: Complex) -> Integers:

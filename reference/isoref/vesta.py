@@ -58,7 +58,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise, product
 from typing import Literal, get_args
@@ -68,8 +68,8 @@ from numpy.typing import ArrayLike
 
 from isoref.cycles import Triangle, fan
 from isoref.diconex import Border, Mode, as_field, check_choice, connects
-from isoref.field import Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh, in_space
+from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, inside_samples
+from isoref.mesh import Mesh, Provenance, in_space
 from isoref.sweep import crossing_parameter
 
 Resolution = Literal["L", "H"]
@@ -186,15 +186,55 @@ def vesta(
     resolution: Resolution = "L",
     border: Border = "open",
     displaced: bool = True,
+    provenance: bool = False,
 ) -> Mesh:
     """The VESTA surface of a field as triangles, normals from active to inactive.
 
-    Parameters and errors are those of `extract`; `resolution` is that of `Surface.mesh`.
+    Parameters and errors are those of `extract`; `resolution` is that of `Surface.mesh`, and with
+    `provenance`, for which the border must be open, the mesh has its `isoref.mesh.Provenance`.
 
     >>> vesta(np.ones((1, 1, 1)), 0.5, border="closed")
     Mesh(6 vertices in R^3, 8 simplices of dimension 2)
     """
-    return extract(values, isovalue, mode=mode, border=border, displaced=displaced).mesh(resolution)
+    surface = extract(values, isovalue, mode=mode, border=border, displaced=displaced)
+    mesh = surface.mesh(resolution)
+    if not provenance:
+        return mesh
+    return replace(mesh, provenance=provenance_of(surface, resolution, as_field(values, 3)))
+
+
+def provenance_of(surface: Surface, resolution: Resolution, field: Field) -> Provenance:
+    """Where the support points and averages of a surface's mesh, and its triangles, come from.
+
+    Raises
+    ------
+    FieldError
+        where a point lies beyond the samples, as with a closed border: it is on no lattice edge.
+    """
+    # A support point lies between the samples on both sides of its face.
+    low, across = np.divmod(surface.centres, 2)
+    if (low < 0).any() or (low + across >= field.shape).any():
+        raise FieldError("with a closed border there are points that lie on no edge of the lattice")
+    ends = np.stack(
+        [np.ravel_multi_index(tuple(end.T), field.shape) for end in (low, low + across)]
+    )
+    along = ((field.index(surface.points) - low) * across).sum(axis=1)
+
+    # A cycle lies in one cell, and so does its average.
+    shape = tuple(n - 1 for n in field.shape)
+    cells, inner = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+    for length, rows in surface.cycles.items():
+        lowest = tuple(low[rows].min(axis=1).T)
+        spokes = length > 7 or (resolution == "H" and length > 3)
+        triangles = length if spokes else length - 2
+        cells.append(np.repeat(np.ravel_multi_index(lowest, shape), triangles))
+        if spokes:
+            inner.append(np.ravel_multi_index(lowest, field.shape))
+    corners = np.concatenate(inner)
+    averages = np.stack([corners, np.full(len(corners), -1)], axis=1)
+    t = np.concatenate([along, np.full(len(corners), np.nan)])
+    pairs = np.concatenate([ends.T, averages])
+    return Provenance(pairs, t, np.concatenate(cells), field)
 
 
 def extract(

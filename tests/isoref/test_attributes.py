@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
-from isoref import METHODS, Field, FieldError, Mesh, attributes, extract
+from isoref import (
+    METHODS,
+    Field,
+    FieldError,
+    Mesh,
+    attributes,
+    dual,
+    extract,
+    marching_tetrahedra,
+    simplicial,
+    sweep,
+    vesta,
+)
 from isoref.mesh import Provenance
+from isoref.methods import DUAL_RULES, RULES, SPLITS
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -79,23 +94,47 @@ def test_provenance_says_where_vertices_and_triangles_are(method: str, ties: boo
     assert np.all((corners > -1e-9) & (corners < 1 + 1e-9))
 
 
-def test_the_plain_sweep_tells_what_its_twin_tells() -> None:
-    """Vertex by vertex and triangle by triangle, under other numbers."""
-    from isoref import sweep as plain
-    from isoref.methods import RULES
+ARTICLES: dict[str, Callable[..., Mesh]] = {
+    **{
+        name: partial(sweep.sweep, RULES[name])
+        for name in ("asymptotic-decider", "marching-vesta-mixed-H", "trilinear-cubes")
+    },
+    **{name: partial(dual.surface, rule) for name, rule in DUAL_RULES.items()},
+    **{name: partial(marching_tetrahedra.surface, split) for name, split in SPLITS.items()},
+    "vesta-mixed-L": partial(vesta.vesta, mode="mixed", resolution="L"),
+    "vesta-connect-H": partial(vesta.vesta, mode="connect", resolution="H"),
+    "simplicial": simplicial.extract,
+}
 
-    for name in ("asymptotic-decider", "marching-vesta-mixed-H", "trilinear-cubes"):
-        field = noise(2)
-        told = []
-        for mesh in (
-            plain.sweep(RULES[name], field, 0.1, provenance=True),
-            METHODS[name](field, 0.1, provenance=True),
-        ):
-            found = mesh.traced()
-            order = np.lexsort([*mesh.vertices.T, *found.ends.T])
-            told.append((found.ends[order], found.t[order], np.sort(found.cells)))
-        assert len(told[0][1]) > 50
-        assert all(np.array_equal(x, y, equal_nan=True) for x, y in zip(*told, strict=True))
+
+@pytest.mark.parametrize("name", ARTICLES)
+@pytest.mark.parametrize("ties", [False, True])
+def test_the_articles_tell_what_their_twins_tell(name: str, ties: bool) -> None:
+    """Vertex by vertex and triangle by triangle, under other numbers."""
+    field = noise(2, ties)
+    told = []
+    for mesh in (
+        ARTICLES[name](field, 0.0, provenance=True),
+        METHODS[name](field, 0.0, provenance=True),
+    ):
+        found = mesh.traced()
+        order = np.lexsort([*np.round(mesh.vertices, 9).T, *found.ends.T])
+        told.append((found.ends[order], found.t[order], np.sort(found.cells)))
+        assert found.field is field
+    assert len(told[0][1]) > 50
+    (ends, t, cells), (same_ends, same_t, same_cells) = told
+    assert np.array_equal(ends, same_ends)
+    assert np.allclose(t, same_t, rtol=0, atol=1e-12, equal_nan=True)
+    assert np.array_equal(cells, same_cells)
+
+
+def test_points_beyond_the_lattice_have_no_provenance() -> None:
+    """VESTA's closed border stands half a sample out."""
+    with pytest.raises(FieldError, match="lie on no edge of the lattice"):
+        vesta.vesta(np.ones((2, 2, 2)), 0.5, border="closed", provenance=True)
+    two = Field.of(np.random.default_rng(0).normal(size=(2, 4, 4, 4)), dimension=3)
+    with pytest.raises(FieldError, match="where 2 components meet"):
+        simplicial.extract(two, 0.0, provenance=True)
 
 
 def test_provenance_costs_nothing_and_is_nothing_where_it_was_not_asked_for() -> None:

@@ -18,34 +18,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
-from isoref.dual import ROUND, DualRule, in_triangles
+from isoref.dual import ROUND, DualRule, in_triangles, provenance_of
 from isoref.field import Array, Booleans, Field, Floats, Integers, check_isovalue, inside_samples
-from isoref.mesh import Mesh, Provenance, in_space
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import check_volume, crossing_parameter
 
 
 @in_space
 def surface(rule: DualRule, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
-    """The rule's surface in triangles; see `isoref.dual.surface`.
-
-    Besides, `provenance` says of each vertex in which cell it is (`isoref.mesh.Provenance`).
-    """
-    vertices, rows, cells = _drawn(rule, field, isovalue)
+    """The rule's surface in triangles; see `isoref.dual.surface`."""
+    vertices, rows, cells = drawn(rule, field, isovalue)
     mesh = in_triangles(vertices, rows)
-    if not provenance:
-        return mesh
-    ends = np.stack([cells, np.full(len(cells), -1)], axis=1)
-    inside, across = np.full(len(cells), np.nan), np.full(len(mesh.simplices), -1)
-    return replace(mesh, provenance=Provenance(ends, inside, across, field))
+    return replace(mesh, provenance=provenance_of(cells, mesh, field)) if provenance else mesh
 
 
 def quads(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers]:
     """The rule's surface in quadrilaterals; see `isoref.dual.quads`."""
-    return _drawn(rule, field, isovalue)[:2]
+    return drawn(rule, field, isovalue)[:2]
 
 
-def _drawn(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers, Integers]:
-    """Vertices and quadrilaterals, and the lowest sample of each vertex's cell."""
+def drawn(rule: DualRule, field: Field, isovalue: float) -> tuple[Floats, Integers, Integers]:
+    """Vertices, quadrilaterals and the cells of the vertices; see `isoref.dual.drawn`."""
     check_volume(field)
     alpha = check_isovalue(isovalue)
     if min(field.shape) < 2:

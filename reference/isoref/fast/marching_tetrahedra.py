@@ -30,10 +30,7 @@ _MIDDLE = int(_STEP.sum())
 
 @in_space
 def surface(split: Split, field: Field, isovalue: float, provenance: bool = False) -> Mesh:
-    """The level set of the split's interpolant; see `isoref.marching_tetrahedra.surface`.
-
-    Besides, `provenance` says where vertices and triangles are (`isoref.mesh.Provenance`).
-    """
+    """The level set of the split's interpolant; see `isoref.marching_tetrahedra.surface`."""
     check_volume(field)
     alpha = check_isovalue(isovalue)
     if min(field.shape) < 2:

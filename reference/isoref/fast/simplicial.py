@@ -25,7 +25,7 @@ import numpy as np
 
 from isoref.field import Booleans, Field, FieldError, Floats, Integers, least_inside
 from isoref.kuhn import chains, corner_offsets, signs, strides
-from isoref.mesh import Mesh, Provenance, in_space
+from isoref.mesh import Mesh, in_space
 from isoref.simplex_section import SectionTable, crossing, section_table
 from isoref.simplicial import (
     Complex,
@@ -34,6 +34,7 @@ from isoref.simplicial import (
     check_input,
     checked_values,
     levels,
+    provenance_of,
     sampler,
     to_mesh,
     zeroed,
@@ -66,28 +67,11 @@ def extract(
     """The isosurface of `field`; see `isoref.simplicial.extract`.
 
     Besides, `memory` says how many bytes may be used beyond the field; what the machine has free
-    by default. A surface that is too large for it raises a FieldError before it is made. For one
-    component, `provenance` says where vertices and simplices are (`isoref.mesh.Provenance`).
+    by default. A surface that is too large for it raises a FieldError before it is made.
     """
     complex_ = section_of_field(field, isovalue, rule, epsilon, memory)
     mesh = to_mesh(complex_, field.spacing, field.origin)
-    return replace(mesh, provenance=_provenance(complex_, field)) if provenance else mesh
-
-
-def _provenance(complex_: Complex, field: Field) -> Provenance:
-    """Where the vertices and simplices of a section by one component come from."""
-    if field.components != 1:
-        raise FieldError(
-            f"a vertex where {field.components} components meet lies on no edge of the lattice"
-        )
-    n = field.dimension
-    ends = complex_.names
-    low, high = (np.stack(np.unravel_index(end, field.shape), axis=1) for end in ends.T)
-    # The ends differ by 0 or 1 along every axis.
-    along = (complex_.points - low).sum(axis=1) / (high - low).sum(axis=1)
-    lowest = np.unravel_index(complex_.parents // factorial(n), field.shape)
-    cells = np.ravel_multi_index(lowest, tuple(N - 1 for N in field.shape))
-    return Provenance(ends, along, np.asarray(cells), field)
+    return replace(mesh, provenance=provenance_of(complex_, field)) if provenance else mesh
 
 
 def section_of_field(

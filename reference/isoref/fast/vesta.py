@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from isoref import vesta as article
-from isoref.diconex import Border, Mode, average_is_active, check_choice
+from isoref.diconex import Border, Mode, as_field, average_is_active, check_choice
 from isoref.fast.diconex import framed
-from isoref.field import Array, Booleans, Field, FieldError, Floats, Integers
-from isoref.mesh import Mesh, Provenance, in_space
+from isoref.field import Array, Booleans, Field, Floats, Integers
+from isoref.mesh import Mesh, in_space
 from isoref.sweep import crossing_parameter
-from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution
+from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution, provenance_of
 
 Decide = Callable[[Integers, Integers, Integers, Integers], Booleans]
 
@@ -71,45 +71,12 @@ def vesta(
     displaced: bool = True,
     provenance: bool = False,
 ) -> Mesh:
-    """The VESTA surface of a field as triangles; see `isoref.vesta.vesta`.
-
-    Besides, `provenance` says where vertices and triangles are (`isoref.mesh.Provenance`); a closed
-    border has points beyond the lattice, and none.
-    """
+    """The VESTA surface of a field as triangles; see `isoref.vesta.vesta`."""
     surface = extract(values, isovalue, mode=mode, border=border, displaced=displaced)
     mesh = surface.mesh(resolution)
     if not provenance:
         return mesh
-    if border != "open":
-        raise FieldError("with a closed border there are points that lie on no edge of the lattice")
-    field = values if isinstance(values, Field) else Field.of(values)
-    return replace(mesh, provenance=_provenance(surface, mesh, resolution, field))
-
-
-def _provenance(surface: Surface, mesh: Mesh, resolution: Resolution, field: Field) -> Provenance:
-    """Where the support points and averages of an open surface, and its triangles, come from."""
-    # A support point lies between the samples on both sides of its face.
-    low, across = np.divmod(surface.centres, 2)
-    ends = np.stack(
-        [np.ravel_multi_index(tuple(end.T), field.shape) for end in (low, low + across)]
-    )
-    along = ((field.index(surface.points) - low) * across).sum(axis=1)
-
-    # A cycle lies in one cell, and so does its average.
-    shape = tuple(n - 1 for n in field.shape)
-    cells, inner = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
-    for length, rows in surface.cycles.items():
-        lowest = tuple(low[rows].min(axis=1).T)
-        spokes = length > 7 or (resolution == "H" and length > 3)
-        triangles = length if spokes else length - 2
-        cells.append(np.repeat(np.ravel_multi_index(lowest, shape), triangles))
-        if spokes:
-            inner.append(np.ravel_multi_index(lowest, field.shape))
-    corners = np.concatenate(inner)
-    averages = np.stack([corners, np.full(len(corners), -1)], axis=1)
-    t = np.concatenate([along, np.full(len(corners), np.nan)])
-    pairs = np.concatenate([ends.T, averages])
-    return Provenance(pairs, t, np.concatenate(cells), field)
+    return replace(mesh, provenance=provenance_of(surface, resolution, as_field(values, 3)))
 
 
 def extract(
