@@ -15,6 +15,7 @@ help:
 	@echo "make quick       the tests that are not marked slow"
 	@echo "make lint        ruff and mypy"
 	@echo "make proof       the theorem on cube rules, checked by Coq from nothing, and every rule's tiles"
+	@echo "make coverage    count what the default plan covers: reports/coverage.md"
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"

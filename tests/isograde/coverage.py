@@ -225,7 +225,7 @@ def lines(numbers: Mapping[str, Mapping[str, int]], wanted: Mapping[str, int]) -
         for name, number in rows.items():
             yield f"| {name} | {number:,} |" + (f" {wanted[name]:,} |" if known else "")
         yield ""
-    yield "Reachable is what one cell of each of the 766 topologies, and "
+    yield "Reachable is what one cell of each of the 766 topologies, and"
     yield f"{CHANCE:,} cells of chance, look up.\n"
 
 
