@@ -239,8 +239,14 @@ def off_border(trial: Trial, rows: Integers, points: Floats | None = None) -> In
 
 
 def off_ties(trial: Trial, places: Floats) -> Booleans:
-    """(r,) places that are not a tied sample, where sheets may touch."""
-    return ~lattice_of(trial).at_tie(places)
+    """(r,) places that are not a tied sample, where sheets may touch.
+
+    Sheets of a dual method touch in whole faces beside tied samples; in a soup they then are one.
+    """
+    lattice, declared = lattice_of(trial), trial.declaration
+    if declared.soup is not None and declared.vertices == "cells":
+        return ~lattice.beside_tie(places)
+    return ~lattice.at_tie(places)
 
 
 def place(point: Floats) -> list[float]:
