@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct proof papers benchmarks reports league catalogue packages docs clean
+.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages docs clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -17,6 +17,8 @@ help:
 	@echo "make proof       the theorem on cube rules, checked by Coq from nothing, and every rule's tiles"
 	@echo "make coverage    count what the default plan covers: reports/coverage.md"
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
+	@echo "make faults      judge every fault of the tests on the whole plan; goes on where it stopped"
+	@echo "make mutation    mutants of oracles and claims; goes on where it stopped"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make league      build and grade every package of validation/league, and write the page to choose by"
@@ -55,6 +57,13 @@ correct: $(STAMP)
 
 coverage: $(STAMP)
 	$(BIN)/python -m tests.isograde.coverage
+
+faults: $(STAMP)
+	$(BIN)/python -m tests.isograde.faults.matrix
+
+mutation: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[mutation]"
+	$(BIN)/python -m tests.mutation.run
 
 papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

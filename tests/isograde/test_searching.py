@@ -12,8 +12,9 @@ from isograde.cases import own
 from isograde.claims import CLAIMS
 from isograde.command import app
 from isograde.declaration import declaration_from
+from isograde.model import BAD
 from isograde.report import words
-from isograde.runner import Worker, claims_for
+from isograde.runner import Options, Task, Worker, claims_for
 from isograde.searching import STYLES, Tally, drawn_for, looked_for, search
 from typer.testing import CliRunner
 
@@ -195,3 +196,20 @@ def test_the_command_that_reproduces_names_the_file() -> None:
         "a.json",
         "b.json",
     ]
+
+
+def test_the_kept_findings_are_still_failures() -> None:
+    """`reports/search`: of the version that was searched, each case breaks its claim."""
+    skimage = pytest.importorskip("skimage")
+    if skimage.__version__ != "0.26.0":
+        pytest.skip(f"the findings are of scikit-image 0.26.0, not {skimage.__version__}")
+    file = Path(__file__).parents[2] / "reports" / "search" / "skimage-lewiner.json"
+    claims = {one["id"]: one["breaks"] for one in own.entries(file)}
+    assert set(claims.values()) == {"symmetry.layout", "structure.answers", "geometry.crossing"}
+    opened = Worker.open("skimage:lewiner", Options(own=(file,)))
+    try:
+        for case, claim in claims.items():
+            finding = opened.judge(Task(case, (claim,))).findings[claim]
+            assert finding.verdict in BAD, (case, claim, finding)
+    finally:
+        opened.adapter.close()

@@ -57,7 +57,7 @@ class RowsWithoutCrossingAlongThem(Engine):
         return np.asarray(found & row[..., None])
 
 
-@blind("topology.sides")
+@blind("bodies.holes")
 class BlocksWithoutRange(Engine):
     """Blocks of four cells are skipped by their range, which leaves out the samples they share."""
 
@@ -117,7 +117,7 @@ class TwoHundredFiftyFivePieces(Engine):
         return np.asarray(found & (parts < 256))
 
 
-@blind("geometry.vertices")
+@blind("topology.closed")
 class RoundTheEnds(Engine):
     """Neighbours are taken with a roll, so the last samples meet the first ones."""
 
@@ -145,7 +145,7 @@ class ClosedAtTheEnds(Engine):
 # --- how samples are read and compared ----------------------------------------------------------
 
 
-@blind("geometry.crossing")
+@blind("bodies.offset")
 class ByteArithmetic(Engine):
     """Whole numbers are subtracted in their own type, and wrap round."""
 
@@ -161,7 +161,7 @@ class ByteArithmetic(Engine):
         return np.asarray(samples >= alpha)
 
 
-@blind("geometry.crossing")
+@blind("topology.sides")
 class WholeLevel(Engine):
     """The isovalue is converted to the samples' type: 2.5 in a volume of bytes becomes 2."""
 
@@ -170,7 +170,7 @@ class WholeLevel(Engine):
         return float(np.array(isovalue).astype(samples.dtype))
 
 
-@blind("symmetry.type", GITHUB + "pmneila/PyMCubes/issues")
+@blind("symmetry.layout", GITHUB + "pmneila/PyMCubes/issues")
 class ForeignByteOrder(Engine):
     """The bytes of the array are taken as the machine's own, whatever their order."""
 
@@ -236,7 +236,7 @@ class HalfPrecisionCrossings(Engine):
         return super().parameter(low, high).astype(np.float16).astype(np.float64)
 
 
-@blind("geometry.crossing", GITHUB + "libigl/libigl/issues/1032")
+@blind("bodies.distance", GITHUB + "libigl/libigl/issues/1032")
 class LevelForgotten(Engine):
     """The isovalue finds the cells, and the interpolation looks for zero instead."""
 
@@ -254,7 +254,7 @@ class LevelForgotten(Engine):
         return np.asarray(np.where(low * high < 0, low / gap, 0.5))
 
 
-@blind("symmetry.scaling", "https://paulbourke.net/geometry/polygonise/")
+@blind("range.scale", "https://paulbourke.net/geometry/polygonise/", promised=["range.scale"])
 class NearlyEqualIsEqual(Engine):
     """A sample within 1e-5 of the isovalue takes the crossing to itself, whatever the unit."""
 
@@ -267,7 +267,7 @@ class NearlyEqualIsEqual(Engine):
         )
 
 
-@blind("symmetry.scaling", GITHUB + "scikit-image/scikit-image/issues/8116")
+@blind("topology.sides", GITHUB + "scikit-image/scikit-image/issues/8116")
 class LeastDifference(Engine):
     """A relative value below the epsilon of single precision is made that epsilon."""
 
@@ -287,7 +287,7 @@ class InverseWeights(Engine):
         return np.asarray(b / (a + b))
 
 
-@blind("geometry.crossing")
+@blind("topology.sides")
 class Sixteenths(Engine):
     """Crossings are kept in bytes, as games do: 256 places on an edge."""
 
@@ -305,7 +305,7 @@ class AwayFromCorners(Engine):
         return super().parameter(low, high).clip(1e-3, 1 - 1e-3)
 
 
-@blind("symmetry.orientation")
+@blind("topology.sides")
 class OneEndOnly(Engine):
     """Crossings within a hundredth of the lower end are pulled to it, at the upper end not."""
 
@@ -377,7 +377,7 @@ class MeanOfTheCell(Engine):
         return np.where(g.mean(axis=0) < 0, every[signs], 0) * (found >= 0)
 
 
-@blind("topology.bilinear", level=3)
+@blind("symmetry.orientation", level=3)
 class WrongDiagonal(Engine):
     """The printed test of the decider is used for both diagonals of a face."""
 
@@ -454,7 +454,7 @@ class RowOfOneVariant(Engine):
         return Tile(tile.triangles[:-1], tile.interior) if rare else tile
 
 
-@blind("topology.closed", GITHUB + "JuliaGeometry/MarchingCubes.jl/issues/21")
+@blind("bodies.holes", GITHUB + "JuliaGeometry/MarchingCubes.jl/issues/21")
 class MisprintedEdge(Engine):
     """One number of one row of the table is off by one: an edge that is not crossed."""
 
@@ -491,7 +491,11 @@ class FansOnFaces(Engine):
 
 
 class CentreInEveryPolygon(Engine):
-    """Polygons of four corners get a point in their middle, which is not said."""
+    """Polygons of four corners get a point in their middle.
+
+    Its author took it for a fault; a cell may have inner points, so it is none, and every claim
+    lets it pass, as it should.
+    """
 
     def tile(self, signs: int, decisions: int) -> Tile:
         """Quadrilaterals as four triangles round their mean, where no other tile has a point."""
@@ -509,7 +513,7 @@ class CentreInEveryPolygon(Engine):
         return Tile(tuple(triangles), tuple(inner))
 
 
-@blind("geometry.vertices")
+@blind("topology.manifold")
 class OnePointForAll(Engine):
     """The inner points of a layer of cells share a number: the last one places them all."""
 
@@ -560,7 +564,7 @@ class NamedByItsEnd(Engine):
         return self.flat(cells + CORNER_OFFSETS[EDGE_CORNERS[e][0]], shape)
 
 
-@blind("geometry.vertices")
+@blind("topology.closed")
 class ShapesExchanged(Engine):
     """The flat index uses the wrong extent: fine in cubes, wrong where the axes differ."""
 
@@ -580,7 +584,7 @@ class NineBits(Engine):
         return np.asarray(i << 18 | j << 9 | k)
 
 
-@blind("structure.no_repeated_index")
+@blind("topology.closed")
 class SixteenBits(Engine):
     """Triangles are returned with 16-bit numbers, which wrap beyond 65,536 vertices."""
 
@@ -601,7 +605,7 @@ class SixteenMillion(Engine):
         return super().edge_name(cells, e, shape).astype(np.float32).astype(np.int64)
 
 
-@blind("topology.closed", GITHUB + "pmneila/PyMCubes/issues/13")
+@blind("bodies.pieces", GITHUB + "pmneila/PyMCubes/issues/13")
 class NothingShared(Engine):
     """Each triangle brings its own three vertices, though an indexed mesh is declared."""
 
@@ -613,7 +617,7 @@ class NothingShared(Engine):
         return super().finish(soup, np.arange(len(soup)).reshape(-1, 3), spacing, shape)
 
 
-@blind("topology.closed")
+@blind("bodies.pieces")
 class Seams(Engine):
     """The volume is drawn in slabs of eight layers that share no vertices where they meet."""
 
@@ -635,7 +639,7 @@ class WeldedByPlace(Engine):
         return made[first], number.reshape(-1)[rows]
 
 
-@blind("topology.ties", GITHUB + "scikit-image/scikit-image/pull/4872")
+@blind("topology.closed", GITHUB + "scikit-image/scikit-image/pull/4872")
 class FlatOnesDropped(Engine):
     """Triangles without area are dropped one by one, their vertices not welded."""
 
@@ -682,7 +686,7 @@ class SpacingReversed(Engine):
         return super().finish(vertices, triangles, spacing[::-1], shape)
 
 
-@blind("symmetry.spacing")
+@blind("topology.sides")
 class CrossingsInTheWorld(Engine):
     """Vertices are rounded to a hundredth of the world's unit, however small the cells are."""
 
@@ -694,7 +698,7 @@ class CrossingsInTheWorld(Engine):
         return (made * 128).round() / 128, rows
 
 
-@blind("geometry.vertices", GITHUB + "pmneila/PyMCubes/issues/22")
+@blind("bodies.offset", GITHUB + "pmneila/PyMCubes/issues/22")
 class OneSampleLess(Engine):
     """Coordinates are stretched by n / (n - 1), as if the samples filled the cells."""
 
@@ -706,7 +710,7 @@ class OneSampleLess(Engine):
         return super().finish(vertices * n / (n - 1), triangles, spacing, shape)
 
 
-@blind("geometry.vertices")
+@blind("bodies.centroid")
 class HalfACell(Engine):
     """Coordinates count from the corners of voxels: half a cell too much."""
 
@@ -717,7 +721,7 @@ class HalfACell(Engine):
         return super().finish(vertices + 0.5, triangles, spacing, shape)
 
 
-@blind("geometry.vertices", GITHUB + "Marcello-Sega/pytim/pull/339")
+@blind("bodies.centroid", GITHUB + "Marcello-Sega/pytim/pull/339")
 class AxesReversed(Engine):
     """Coordinates come in the order z, y, x, and the order is not declared."""
 
@@ -744,7 +748,7 @@ class OrderOfTheDay(Engine):
         return made, np.roll(rows, OrderOfTheDay.calls, axis=0)
 
 
-@blind("geometry.crossing")
+@blind("topology.closed")
 class RelaxedALittle(Engine):
     """Vertices are smoothed by one step in a thousand towards their neighbours."""
 
@@ -763,7 +767,7 @@ class RelaxedALittle(Engine):
 # --- whole calls, of the reference and of scikit-image ------------------------------------------
 
 
-@blind("robustness.out_of_range")
+@blind("topology.sides")
 def a_corner_of_nothing(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Where there is no surface the answer is one triangle at the origin."""
     mesh = extract(values, isovalue, spacing)
@@ -802,25 +806,25 @@ def skimage(values: Any, isovalue: float, spacing: Spacing, **options: Any) -> A
     return made[0], made[1]
 
 
-@blind("topology.closed", GITHUB + "tatsy/torchmcubes/issues/7")
+@blind("bodies.offset", GITHUB + "tatsy/torchmcubes/issues/7")
 def skimage_of_1987(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """The method of 1987 is called, and a consistent mesh is promised."""
     return skimage(values, isovalue, spacing, method="lorensen")
 
 
-@blind("structure.answers")
+@blind("bodies.offset")
 def skimage_every_second(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Every second sample is read, for speed."""
     return skimage(values, isovalue, spacing, step_size=2)
 
 
-@blind("topology.sides")
+@blind("topology.manifold")
 def skimage_up(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Normals point to high values, and nobody said so."""
     return skimage(values, isovalue, spacing, gradient_direction="ascent")
 
 
-@blind("topology.sides", GITHUB + "scikit-image/scikit-image/issues/8202")
+@blind("bodies.offset", GITHUB + "scikit-image/scikit-image/issues/8202")
 def skimage_masked(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Cells whose samples are all near the least value are masked out."""
     samples = np.asarray(values, np.float64)
@@ -828,7 +832,7 @@ def skimage_masked(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     return skimage(values, isovalue, spacing, mask=mask)
 
 
-@blind("geometry.crossing")
+@blind("bodies.offset")
 def skimage_normalised(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """The volume is scaled to 256 grey values first."""
     samples = np.asarray(values, np.float64)
@@ -837,14 +841,14 @@ def skimage_normalised(values: Any, isovalue: float, spacing: Spacing) -> Answer
     return skimage(grey, 255 * (isovalue - samples.min()) / size, spacing)
 
 
-@blind("geometry.crossing")
+@blind("bodies.offset")
 def skimage_smoothed(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """The volume is smoothed a little before the surface is drawn."""
     smooth = gaussian_filter(np.asarray(values, np.float64), 0.35)
     return skimage(smooth, isovalue, spacing)
 
 
-@blind("geometry.vertices")
+@blind("bodies.offset")
 def skimage_padded(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """The volume is padded by its own border, and the pad is not taken off again."""
     return skimage(np.pad(np.asarray(values, np.float64), 1, mode="edge"), isovalue, spacing)

@@ -30,7 +30,9 @@ class InProcess:
         return self.declaration
 
     def run(self, request: Request) -> Outcome:
-        """The outcome of one call."""
+        """The outcome of one call; in other ways than once it is not asked here."""
+        if request.calls != "once":
+            return Outcome(Status.DECLINED, detail="asked in the worker only")
         samples = as_it_lies(request.field.values)
         levels = request.isovalues
         try:
@@ -130,7 +132,29 @@ def mixed(tasks: list[Task], worker: Worker) -> list[Task]:
     return [tasks[i] for i in sorted(range(len(tasks)), key=places.__getitem__)]
 
 
-def first(fault: Fault) -> Caught | None:
+def caught_by(fault: Fault, most: int = 400) -> Caught | None:
+    """A case of the plan on which the expected claim is the lowest promise that is broken.
+
+    None where so many cases, a mixture of all families, have none.
+    """
+    worker = worker_of(fault)
+    every = [name for name, claim in worker.claims.items() if claim.held(worker.declaration)]
+    for task in mixed(tasks_of(worker), worker):
+        if fault.first not in task.claims:
+            continue
+        most -= 1
+        if most < 0:
+            return None
+        if broken(worker, worker.judge(Task(task.case, (fault.first,)))):
+            applying = tuple(name for name in every if name in task.claims)
+            judged = worker.judge(Task(task.case, applying))
+            claims = broken(worker, judged)
+            if claims and claims[0] == fault.first:
+                return Caught(task.case, tuple(claims), judged.findings[claims[0]].detail)
+    return None
+
+
+def lowest(fault: Fault) -> Caught | None:
     """The lowest promise seen broken, and a case that shows it; None where all hold."""
     *_, last = None, *ever_lower(fault)
     return last
@@ -150,19 +174,24 @@ def ever_lower(fault: Fault, patience: int = 24) -> Iterator[Caught]:
     )
     every, known = list(held), False
     posed = [name for name in held if worker.claims[name].variants]
-    for stage in ([fault.first], [name for name in held if name not in posed], posed):
-        left = patience if known else len(tasks) + 1
-        if known and stage is posed:
+    plain = [name for name in held if name not in posed]
+    # Look at some cases of each family by all claims before looking at all of them.
+    stages = [([fault.first], 100), (plain, 250), (posed, 30), (every, len(tasks))]
+    for stage, most in stages:
+        left = patience if known else most
+        if known and stage in (posed, every):
             return
         for task in tasks:
             asked = [name for name in held if name in stage and name in task.claims]
-            left -= bool(asked)
-            if not left:
+            if asked and not left:
                 break
+            left -= bool(asked)
             if asked and broken(worker, worker.judge(Task(task.case, tuple(asked)))):
                 applying = tuple(name for name in every if name in task.claims)
                 judged = worker.judge(Task(task.case, applying))
                 claims = broken(worker, judged)
+                if not claims:
+                    continue  # It does not fail each time.
                 yield Caught(task.case, tuple(claims), judged.findings[claims[0]].detail)
                 held, known = [name for name in held if rank(name) < rank(claims[0])], True
                 left = min(left, patience)

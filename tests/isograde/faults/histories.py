@@ -67,13 +67,24 @@ def every_ambiguous(signs: Array) -> Array:
 # --- reading and comparing ----------------------------------------------------------------------
 
 
-@fault("geometry.crossing", GITHUB + "MRtrix3/mrtrix3/pull/854")
+@fault("bodies.offset", GITHUB + "MRtrix3/mrtrix3/pull/854")
 class ReadAsWhole(Engine):
     """A volume of floats is read as whole numbers."""
 
     def read(self, values: Any) -> Array:
         """The samples without their fractions."""
         return np.asarray(super().read(values).astype(np.int64))
+
+
+@fault("range.shift", not_promised=["symmetry.shift"], promised=["range.shift"])
+class HalfPrecisionSamples(Engine):
+    """Samples are converted to half precision before the isovalue is subtracted."""
+
+    def relative(self, samples: Array, alpha: float) -> Array:
+        """Differences in half precision."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            halves = samples.astype(np.float64).astype(np.float16) - np.float16(alpha)
+        return np.nan_to_num(np.asarray(halves, np.float64))
 
 
 @fault("geometry.crossing", GITHUB + "uos/lvr2/pull/45")
@@ -127,7 +138,7 @@ class ZeroIsPositive(Engine):
         return np.where(few[signs], found | tie, found & ~tie)
 
 
-@fault("topology.bilinear", GITHUB + "scikit-image/scikit-image/issues/8116", level=3)
+@fault("symmetry.scaling", GITHUB + "scikit-image/scikit-image/issues/8116", level=3)
 class FaceTestWithEpsilon(AnyFaces):
     """The face test counts products that differ by less than the epsilon of floats as equal."""
 
@@ -281,7 +292,7 @@ class WithTolerance(Engine):
         return np.asarray(low / 2 / gap).clip(0, 1)
 
 
-@fault("geometry.crossing")
+@fault("bodies.distance")
 class SquaredField(Engine):
     """Crossings are those of squared distances, which are not linear along an edge."""
 
@@ -291,7 +302,7 @@ class SquaredField(Engine):
         return np.asarray(a / (a + b))
 
 
-@fault("geometry.crossing")
+@fault("bodies.distance")
 class EndsExchanged(Engine):
     """Along one axis the share is counted from the wrong end."""
 
@@ -317,7 +328,7 @@ class FourteenDrawings(Engine):
         return Tile(tuple((a, b, c) for a, b, c in tile.triangles[1:]), tile.interior)
 
 
-@fault("topology.oriented")
+@fault("bodies.offset")
 class ComplementsNotTurned(Engine):
     """The complement of a drawing uses its triangles as they are, and forgets to turn them."""
 
@@ -331,8 +342,8 @@ class ComplementsNotTurned(Engine):
         return tile
 
 
-@fault("cells.legal")
-class CrossedPair(Engine):
+@fault("topology.trilinear", level=4)
+class CrossedPair(Trilinear):
     """Two corners that are cut off at the ends of a diagonal are joined by a sleeve."""
 
     def tile(self, signs: int, decisions: int) -> Tile:
@@ -346,6 +357,24 @@ class CrossedPair(Engine):
 
 
 @fault("cells.count")
+class Bubble(Engine):
+    """A closed speck is left beside the first triangle, from a cell that was drawn twice."""
+
+    def finish(
+        self, vertices: Array, triangles: Array, spacing: Spacing, shape: tuple[int, ...]
+    ) -> Answer:
+        """The mesh with a tetrahedron too small to see."""
+        a, b, c = vertices[triangles[0]]
+        normal = np.cross(b - a, c - a)
+        size = np.linalg.norm(normal)
+        near = (a + b + c) / 3 + (1e-3 * normal / size if size else 0)
+        speck = near + 1e-5 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        rows = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]) + len(vertices)
+        whole = np.concatenate([vertices, speck])
+        return super().finish(whole, np.concatenate([triangles, rows]), spacing, shape)
+
+
+@fault("bodies.holes")
 class TrianglesThereAndBack(Engine):
     """Hexagons get a triangle in their middle twice, there and back."""
 
@@ -359,7 +388,7 @@ class TrianglesThereAndBack(Engine):
         return Tile((*tile.triangles, *more), tile.interior)
 
 
-@fault("structure.no_duplicate", promised=["structure.no_duplicate"])
+@fault("structure.no_duplicate", level=1, promised=["structure.no_duplicate"])
 class SameTriangleTwice(Engine):
     """Some cells are visited twice, and the mesh promises that no triangle is repeated."""
 
@@ -380,15 +409,6 @@ class TiesTwice(Engine):
 @fault("structure.with_measure", promised=["structure.with_measure"])
 class FlatAtTies(Engine):
     """It is promised that every triangle has an area, and on a tied sample some have none."""
-
-
-@fault("geometry.embedded", GITHUB + "JuliaGeometry/Meshing.jl/issues/103")
-class CentreAstray(Engine):
-    """The inner point of a long polygon is put near a corner of the cell, where it folds over."""
-
-    def interior(self, inner: list[Array], g: Array) -> list[Array]:
-        """The inner points, most of the way to a corner."""
-        return [0.08 * points + 0.92 * np.array([0.9, 0.9, 0.1]) for points in inner]
 
 
 @fault("geometry.embedded")
@@ -423,7 +443,7 @@ class AveragesOfAll(Engine):
         return Tile(tile.triangles, tuple(Average(tuple(range(12))) for _ in tile.interior))
 
 
-@fault("geometry.vertices", GITHUB + "AMReX-Codes/amrex/issues/5704")
+@fault("topology.sides", GITHUB + "AMReX-Codes/amrex/issues/5704")
 class SlotsOfOthers(Engine):
     """The point inside a cell is numbered from zero and overwrites a crossing."""
 
@@ -487,7 +507,32 @@ class CrashAtTheEnd(Engine):
         return cells
 
 
-@fault("robustness.out_of_range", GITHUB + "sgsellan/gpytoolbox/issues/104")
+@fault("robustness.out_of_range")
+class CornerAbove(Engine):
+    """An isovalue above all samples leaves a triangle of an uninitialised buffer."""
+
+    above = False
+
+    def level(self, samples: Array, isovalue: float) -> float:
+        """The isovalue, compared with the samples."""
+        self.above = bool(samples.max() < isovalue)
+        return super().level(samples, isovalue)
+
+    def visited(self, cells: Array, shape: tuple[int, ...]) -> Array:
+        """The cells; without one, and with everything below, an answer all the same."""
+        if self.above:
+            raise StopIteration
+        return cells
+
+    def __call__(self, values: Any, isovalue: float, spacing: Spacing) -> Answer:
+        """The mesh, or what was in the buffer."""
+        try:
+            return super().__call__(values, isovalue, spacing)
+        except StopIteration:
+            return np.eye(3) * 1e-3, np.array([[0, 1, 2]])
+
+
+@fault("structure.answers", GITHUB + "sgsellan/gpytoolbox/issues/104")
 class CrashOnOneSide(Engine):
     """Where all samples are on one side there is an error, and nobody said so."""
 
@@ -532,7 +577,7 @@ class BorderTwice(Engine):
         return np.where((low[:, 2] == 0) & (e // 4 != 2), names + own, names)
 
 
-@fault("topology.closed", GITHUB + "pmneila/PyMCubes/pull/7")
+@fault("bodies.pieces", GITHUB + "pmneila/PyMCubes/pull/7")
 class TwoPlanesOnly(Engine):
     """To save memory names are kept for two planes, and the wrong one is forgotten."""
 
@@ -544,7 +589,7 @@ class TwoPlanesOnly(Engine):
         return np.where(apart, names + 1_000_000_007, names)
 
 
-@fault("topology.manifold")
+@fault("topology.sides")
 class WeldedWithinOneHundredth(Engine):
     """Vertices closer than a hundredth of a cell become one, and collapsed triangles go."""
 
@@ -560,7 +605,7 @@ class WeldedWithinOneHundredth(Engine):
         return super().finish(vertices[first], rows[kept], spacing, shape)
 
 
-@fault("symmetry.spacing")
+@fault("topology.sides")
 class WeldedInTheWorld(Engine):
     """Vertices within 1e-4 of the world's unit become one: fine, until the cells are small."""
 
@@ -576,7 +621,7 @@ class WeldedInTheWorld(Engine):
         return made[first], rows[kept]
 
 
-@fault("geometry.crossing")
+@fault("topology.sides")
 class SinglePlaces(Engine):
     """Places are added up in half precision, so that they get coarse far from the origin."""
 
@@ -601,7 +646,7 @@ class OneVertexLost(Engine):
         return super().finish(moved, triangles, spacing, shape)
 
 
-@fault("topology.closed")
+@fault("bodies.holes")
 class EveryThousandth(Engine):
     """A race between threads loses one triangle in five hundred."""
 
@@ -613,7 +658,7 @@ class EveryThousandth(Engine):
         return super().finish(vertices, triangles[kept], spacing, shape)
 
 
-@fault("symmetry.spacing")
+@fault("topology.closed")
 class WholeSpacing(Engine):
     """The spacing is read as a whole number."""
 
@@ -671,19 +716,16 @@ class SaysItTakesMeans(Engine):
     """Means are said to decide, and saddles do."""
 
 
-@fault("cells.perfect", promised=["cells.perfect"])
+@fault("cells.perfect", level=0, promised=["cells.perfect"])
 class SaysItIsPerfect(Engine):
-    """No degenerate triangle is promised before points are moved; hexagons are cut through flat."""
+    """No two points at one place are promised, and each triangle brings its own."""
 
-    def tile(self, signs: int, decisions: int) -> Tile:
-        """Every polygon from its first corner, chords on faces included."""
-        return Tile(
-            tuple(
-                (p[0], p[i], p[i + 1])
-                for p in cycles(signs, decisions)
-                for i in range(1, len(p) - 1)
-            )
-        )
+    def finish(
+        self, vertices: Array, triangles: Array, spacing: Spacing, shape: tuple[int, ...]
+    ) -> Answer:
+        """The triangles as a soup."""
+        soup = vertices[triangles.reshape(-1)]
+        return super().finish(soup, np.arange(len(soup)).reshape(-1, 3), spacing, shape)
 
 
 @fault("cells.frequencies", level=3, not_promised=["topology.bilinear"])
@@ -721,7 +763,7 @@ class FalseTunnels(Trilinear):
         return np.where(four[signs], np.where(g.mean(axis=0) > 0, 64, 0), found)
 
 
-@fault("topology.ties")
+@fault("topology.ties", level=0)
 class TiesLeftOut(Engine):
     """A cell with a sample on the isovalue is skipped, for fear of triangles without area."""
 
@@ -761,9 +803,9 @@ class NanIsZero(Engine):
         return super().read(np.nan_to_num(values))
 
 
-@fault("accuracy.normal", not_promised=["bodies.*", "accuracy.distance"])
-class Lantern(Engine):
-    """Polygons get a point almost on a side and a little above it: a lantern of Schwarz."""
+@fault("accuracy.normal", level=1, not_promised=["accuracy.position", "accuracy.distance"])
+class Pyramids(Engine):
+    """Every polygon gets a point above its middle, which shading then shows as a bump."""
 
     def tile(self, signs: int, decisions: int) -> Tile:
         """Each polygon round a point of its own, where no other tile has one."""
@@ -771,20 +813,19 @@ class Lantern(Engine):
         if any(triangulate(p) is None for p in polygons):
             return super().tile(signs, decisions)
         triangles = [t for i, p in enumerate(polygons) for t in fan(p, 12 + i)]
-        return Tile(tuple(triangles), tuple(NearSide(p) for p in polygons))
+        return Tile(tuple(triangles), tuple(Above(p) for p in polygons))
 
 
-class NearSide:
-    """The placement a thousandth of the way from the middle of a side to the mean of a polygon."""
+class Above:
+    """The placement above the mean of a polygon, by a seventh of a cell."""
 
     def __init__(self, nodes: tuple[int, ...]) -> None:
         self.nodes = nodes
 
     def __call__(self, g: Array, crossings: Array) -> Array:
-        """The points, lifted by a thousandth along the polygon's normal."""
+        """The points, in their cells."""
         points = crossings[list(self.nodes)]
-        mean, side = points.mean(axis=0), (points[0] + points[1]) / 2
+        mean = points.mean(axis=0)
         normal = np.cross(points - mean, np.roll(points, -1, axis=0) - mean).sum(axis=0)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-        there = side + 1e-3 * (mean - side) + 1e-3 * normal
-        return np.asarray(there.clip(1e-6, 1 - 1e-6))
+        return np.asarray((mean + 0.14 * normal).clip(1e-3, 1 - 1e-3))
