@@ -763,6 +763,20 @@ class FalseTunnels(Trilinear):
         return np.where(four[signs], np.where(g.mean(axis=0) > 0, 64, 0), found)
 
 
+@fault("topology.raw", level=1, promised=["topology.raw"])
+class WeldedAtTies(Engine):
+    """Vertices at one place become one, so that sheets that touch at a tied sample hang together."""
+
+    def finish(
+        self, vertices: Array, triangles: Array, spacing: Spacing, shape: tuple[int, ...]
+    ) -> Answer:
+        """The mesh after welding, without the triangles that collapse."""
+        _, first, number = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+        rows = number.reshape(-1)[triangles]
+        kept = (rows[:, 0] != rows[:, 1]) & (rows[:, 1] != rows[:, 2]) & (rows[:, 2] != rows[:, 0])
+        return super().finish(vertices[first], rows[kept], spacing, shape)
+
+
 @fault("topology.ties", level=0)
 class TiesLeftOut(Engine):
     """A cell with a sample on the isovalue is skipped, for fear of triangles without area."""
