@@ -765,7 +765,7 @@ class FalseTunnels(Trilinear):
 
 @fault("topology.raw", level=1, promised=["topology.raw"])
 class WeldedAtTies(Engine):
-    """Vertices at one place become one, so that sheets that touch at a tied sample hang together."""
+    """Vertices at one place become one, so that sheets that touch at a sample hang together."""
 
     def finish(
         self, vertices: Array, triangles: Array, spacing: Spacing, shape: tuple[int, ...]
