@@ -9,7 +9,7 @@ import { random } from "../fields.ts";
 import { Handles } from "../handles.ts";
 import { flat, lattice, type Panel } from "../stage.ts";
 import { type Lattice, reordered } from "../state.ts";
-import { key, nodes, type Point, type Rule, type Tables, type Tile } from "../tables.ts";
+import { key, type Point, type Rule, type Tables, type Tile } from "../tables.ts";
 import { asymptotes, bodySaddles, contour, events, faceSaddle, isInside, Tessellator } from "../trilinear.ts";
 
 type Segment = [Point, Point];
@@ -55,16 +55,25 @@ export function judged(mine: Tile, truth: Tile): ["good" | "bad", string] {
   return ["bad", truth.tunnel ? "a tunnel is missing" : "a tunnel that is not there"];
 }
 
-/** Draw a rule's tile in a panel; the polygons of its faces are its border. */
+/** The sides of triangles that no other has in reverse: where a tile meets the cell's faces. */
+function border(points: readonly Point[], triangles: readonly (readonly number[])[]): Segment[] {
+  const directed = new Set<number>();
+  for (const row of triangles) for (let i = 0; i < 3; i++) directed.add(row[i] * 64 + row[(i + 1) % 3]);
+  return [...directed]
+    .map((side) => [Math.floor(side / 64), side % 64])
+    .filter(([a, b]) => !directed.has(b * 64 + a))
+    .map(([a, b]) => [points[a], points[b]]);
+}
+
+/** Draw a rule's tile in a panel, with its border on the faces. */
 export function showTile(tables: Tables, panel: Panel, rule: Rule, g: readonly number[], edges = true): Tile {
-  const { signs, tile, points } = draw(tables, rule, g);
+  const { tile, points } = draw(tables, rule, g);
   const triangles = rows(tile.triangles);
   panel.surface("tile", flat(points, triangles));
   panel.lines("mesh", edges ? meshLines(points, triangles) : []);
-  const polygons = tables.polygons[key(signs, tile.separated)].map((word) => nodes(word).map((e) => points[e]));
   panel.marks("inside", tables.corners.filter((_, c) => g[c] >= 0));
   panel.marks("outside", tables.corners.filter((_, c) => g[c] < 0));
-  panel.lines("polygon", polygons.flatMap((polygon) => sides(polygon, true)));
+  panel.lines("polygon", border(points, triangles));
   return tile;
 }
 

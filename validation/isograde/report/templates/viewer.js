@@ -46,7 +46,7 @@ from the centre, times a scale. Parts are painted from far to near, by the depth
 
 const SIZE = 360, ROOM = 26;
 const START = { turn: -62, tilt: 24 };
-const STEP = 10, ZOOM = 1.25;
+const STEP = 10, ZOOM = 1.25, ASIDE = 26;
 // Show about so many cells round a fault.
 const CELLS = 4;
 // Write values beside samples from the start, and on demand, up to so many samples.
@@ -403,9 +403,11 @@ const enliven = (script) => {
       const where = mark.slice(1).map(Number), last = where.length - 3;
       const centre = /** @type {Point} */ ([0, 1, 2].map((a) => (where[a] + where[last + a]) / 2));
       const [x, y, z] = centre.map((at, a) => at - start.centre[a]);
-      // A fault in the middle is seen from everywhere.
+      // Stand on its side, a little aside: along an axis faces are seen edge on. A fault in the
+      // middle is seen from everywhere.
+      const tilt = Math.atan2(z, Math.hypot(x, y)) / RADIANS;
       const seen = Math.hypot(x, y, z) < 1e-9 ? START
-        : { turn: Math.atan2(y, x) / RADIANS, tilt: Math.atan2(z, Math.hypot(x, y)) / RADIANS };
+        : { turn: Math.atan2(y, x) / RADIANS + ASIDE, tilt: Math.max(-50, Math.min(50, tilt + ASIDE / 2)) };
       const large = 2 * Math.hypot(...start.centre) / (CELLS * Math.sqrt(3));
       go({ ...seen, ...(large > 1 ? { zoom: large, centre } : { zoom: 1, centre: start.centre }) });
     });
