@@ -106,8 +106,10 @@ def _cleaned(mesh: Mesh) -> Mesh:
     done = (
         f"{removal.before.degenerate:,} triangles without area: {removal.collapsed:,} edges "
         f"collapsed, {removal.flipped:,} flipped, {removal.vanished:,} pieces removed that were "
-        f"points; {removal.after.degenerate:,} stay, since the surface would be no manifold else"
+        "points"
     )
+    if removal.after.degenerate:
+        done += f"; {removal.after.degenerate:,} stay, for the surface to stay a manifold"
     say(f"[dim]{done}[/]")
     return removal.mesh
 
