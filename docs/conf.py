@@ -70,9 +70,11 @@ project = "isograde"
 author = "the isograde authors"
 copyright = "2026, the isograde authors"
 extensions = ["sphinx_gallery.gen_gallery"]
-exclude_patterns = ["_build", "examples"]
+exclude_patterns = ["_build", "examples", "explorer"]
 highlight_language = "text"
 html_theme = "alabaster"
+# The explorer is a page of its own, at the root of the site.
+html_extra_path = ["explorer/explorer.html"]
 html_theme_options = {
     "description": "Isosurfaces, written to be read, and graded.",
     "page_width": "1240px",
@@ -112,8 +114,16 @@ def prose(docstring: str) -> str:
         if is_table(paragraph) or (drawn and not parts[-1].startswith(" ")):
             parts.append(literal(paragraph))
         else:
-            parts.append(paragraph + "\n\n")
+            # A bar is a bar, and no substitution; code stays as it is.
+            shown = paragraph if paragraph.startswith(" ") else bars(paragraph)
+            parts.append(shown + "\n\n")
     return "".join(parts)
+
+
+def bars(paragraph: str) -> str:
+    """The paragraph with its bars escaped, but for those in code."""
+    pieces = re.split(r"(``.*?``)", paragraph, flags=re.DOTALL)
+    return "".join(p if p.startswith("``") else p.replace("|", "\\|") for p in pieces)
 
 
 def literal(text: str) -> str:

@@ -380,6 +380,19 @@ def compare(
 
 
 @app.command()
+def exercise(
+    number: Annotated[int, typer.Argument(metavar="NUMBER", help="1 to 5, as the lessons.")],
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="Your file; without it one is given.")
+    ] = None,
+) -> None:
+    """Give an exercise of the course, a broken extractor; or say what is still wrong with yours."""
+    from isograde.commands import exercising
+
+    exercising.exercise(number, file)
+
+
+@app.command()
 def extract(
     volume: Annotated[
         str, typer.Argument(metavar="VOLUME", help="A file, a DICOM folder, or a known data set.")
