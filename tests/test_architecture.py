@@ -83,6 +83,7 @@ def test_the_grader_takes_two_words_from_the_reference() -> None:
         (str(p.relative_to(GRADER)), m)
         for p in modules(GRADER)
         if p.relative_to(GRADER).parts[0] not in MAY_REACH_THE_REFERENCE
+        and p.parent != GRADER / "exercises" / "given"  # extractors to mend, under test themselves
         for m in imports(p)
         if m.split(".")[0] == "isoref" and m not in WORDS
     ]

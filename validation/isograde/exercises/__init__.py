@@ -93,9 +93,9 @@ def _told(exercise: Exercise, worker: Worker) -> list[Told]:
                 bad.setdefault(name, []).append((case.samples, case.id, found.detail))
     told = []
     for name in (name for name in wanted if name in bad):
-        _, case, detail = min(bad[name])
+        _, smallest, detail = min(bad[name])
         hint = exercise.hints.get(name, worker.claims[name].rule)
-        told.append(Told(name, hint, case, detail, len(bad[name]), asked[name]))
+        told.append(Told(name, hint, smallest, detail, len(bad[name]), asked[name]))
     # What could not fail anywhere is no success.
     idle = [name for name in wanted if not asked.get(name)]
     if not told and idle:
