@@ -1,5 +1,6 @@
 """What attacks the grader gets its verdict; nothing outside its folder is touched (issue 13)."""
 
+import contextlib
 import json
 import time
 import xml.etree.ElementTree as ElementTree
@@ -173,6 +174,23 @@ def test_a_claim_that_takes_too_long_is_given_up() -> None:
     with pytest.raises(bounds.GivenUp, match=r"more than 0\.1 s"), bounds.at_most(0.1):
         endless()
     with bounds.at_most(0.1):
+        pass
+
+
+def test_of_two_limits_the_first_that_is_over_counts() -> None:
+    """And who takes it for another's is told again."""
+
+    def patient() -> None:
+        for _ in range(100):
+            with contextlib.suppress(bounds.GivenUp), bounds.at_most(60.0):
+                time.sleep(0.05)
+            time.sleep(0.05)
+
+    with pytest.raises(bounds.GivenUp, match=r"0\.2 s"), bounds.at_most(0.2):
+        patient()
+    with pytest.raises(bounds.GivenUp, match=r"0\.1 s"), bounds.at_most(60.0), bounds.at_most(0.1):
+        time.sleep(5)
+    with bounds.at_most(60.0):
         pass
 
 

@@ -203,6 +203,22 @@ def test_a_budget_leaves_a_report_of_a_part_and_the_rest_for_later(
     assert plain(path) == plain(whole)
 
 
+def test_a_budget_is_kept_by_what_is_made_of_failures_too(
+    broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A case that takes long to be made smaller is shown as it is."""
+
+    def slow(*_: object) -> None:
+        time.sleep(300)
+
+    monkeypatch.setattr(grading, "shrink", slow)
+    monkeypatch.setattr(grading, "contrast", slow)
+    start = time.monotonic()
+    found = grade(broken, Options(only=ONLY.only, budget=20.0), tmp_path / "report.jsonl")
+    assert time.monotonic() - start < 120
+    assert "topology.closed" in found.evidence
+
+
 def test_a_part_within_a_budget_is_of_every_family() -> None:
     tasks = [Task(f"{family}/{n}", ()) for family in "abc" for n in range(3)]
     assert [one.case for one in grading.spread(tasks)[:3]] == ["a/0", "b/0", "c/0"]

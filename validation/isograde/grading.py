@@ -12,6 +12,7 @@ import hashlib
 import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from itertools import zip_longest
@@ -22,6 +23,7 @@ import numpy as np
 
 from isograde.adapters import open_adapter
 from isograde.adapters.loading import called
+from isograde.bounds import GivenUp, at_most
 from isograde.causes import roots
 from isograde.declaration import Declaration
 from isograde.drafts import Draft, fingerprint, unfinished
@@ -301,14 +303,24 @@ class Judging:
         worker, legal = self.worker, Legal(self.worker, self.options)
         found = {claim: self._shrunk(claim, one) for claim, one in self.smallest.items()}
         kept = {claim: one for claim, one in found.items() if one.judged.evidence is not None}
-        answers = legal.answers({claim: one.judged for claim, one in kept.items()})
+        answers: dict[str, Outcome] = {}
+        if (left := self.deadline - time.monotonic()) > 0:
+            with suppress(GivenUp), at_most(left):
+                answers = legal.answers({claim: one.judged for claim, one in kept.items()})
         for claim, one in kept.items():
             posed = worker.claims[claim].variants
             yield shown.evidence_record(claim, one.judged, one.of, answers.get(claim), posed)
 
     def _shrunk(self, claim: str, one: Smallest) -> Smallest:
         """The smallest block on which the claim fails; the case as it is where time is over."""
-        return one if time.monotonic() > self.deadline else _shrunk(claim, one, self.worker)
+        left = self.deadline - time.monotonic()
+        if left <= 0:
+            return one
+        try:
+            with at_most(left):
+                return _shrunk(claim, one, self.worker)
+        except GivenUp:
+            return one
 
     def _recall(self, tasks: Sequence[Task]) -> None:
         """`smallest` is over all that was judged, in the order of the plan.
