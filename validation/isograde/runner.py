@@ -153,6 +153,8 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
         known = [*claims, *cases]
         close = [near for one in options.only for near in get_close_matches(one, known, n=1)]
         hint = f"did you mean {' '.join(close)}? " if close else ""
+        if wrong := [one for one in options.only if one.startswith("given/")]:
+            hint = f"{given.fault(wrong[0])}; "
         raise NothingToRun(
             f"nothing matches {asked}; {hint}`isograde list claims` and `isograde list cases` "
             "show ids"

@@ -72,6 +72,24 @@ def parse(text: str) -> Case | None:
     return Case(text, partial(_same, field), levels, prod(shape), TAGS, kind=kind)
 
 
+def fault(text: str) -> str:
+    """What is wrong with a name that spells no case out.
+
+    >>> fault("given/2x2/1,2,3")
+    'given/2x2/1,2,3 spells no case out: 3 samples, where 2x2 takes 4'
+    """
+    found = NAME.fullmatch(text)
+    told = "a name is given/SHAPE/SAMPLES, as given/2x3/0,1,2,1,0,1"
+    if found is not None:
+        shape = [int(n) for n in found["shape"].split("x")]
+        count = len(found["values"].split(","))
+        wanted = prod(shape) * len((found["at"] or "0").split(","))
+        told = "every sample, isovalue and spacing is a finite number, and the type one of NumPy's"
+        if count != wanted:
+            told = f"{count} samples, where {found['shape']} takes {wanted}"
+    return f"{text} spells no case out: {told}"
+
+
 def _same(field: Field) -> Field:
     """The field."""
     return field

@@ -269,13 +269,18 @@ def _topology(report: Report) -> tuple[float, float]:
 def choices(report: Report) -> list[str]:
     """How ambiguous faces are decided, where it is always in one way."""
     said = chosen(report)
-    if not said and _always(report.summaries.get(BILINEAR)):
+    if not said and not report.partial and _always(report.summaries.get(BILINEAR)):
         said = ["decides every ambiguous face as the bilinear interpolant does"]
     return said
 
 
 def chosen(report: Report) -> list[str]:
-    """The choices that are made on every case, whatever the samples are."""
+    """The choices that are made on every case, whatever the samples are.
+
+    A run of a part of the cases has not seen enough of them to speak of a choice.
+    """
+    if report.partial:
+        return []
     return [told for name, told in CHOSEN.items() if _always(report.summaries.get(name))]
 
 
