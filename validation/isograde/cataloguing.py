@@ -6,11 +6,19 @@ implementations or levels; `isograde.catalogue` reads it.
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
 from collections import Counter
 from collections.abc import Collection, Sequence
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from types import CodeType
 from typing import Any
 
+from isograde import oracles as package
 from isograde.adapters.registry import READY_MADE, ReadyMade
 from isograde.cases import all_cases, volumes
 from isograde.catalogue import FILE, Catalogue
@@ -18,6 +26,8 @@ from isograde.claims import CLAIMS
 from isograde.model import LEVELS, Case, Claim, Kind
 from isograde.report.words import kinds as kind_words
 
+# Where the tests and the kept reports stand in a checkout; the catalogue is made there only.
+ROOT = Path(__file__).parents[2]
 # List so many kinds that have no word of their own.
 LISTED = 3
 # Show so many cases of one name, but for its end, under one pattern.
@@ -44,8 +54,76 @@ def build() -> Catalogue:
             ]
             for one in volumes.REGISTRY.values()
         ],
+        "oracles": [[name, *said] for name, said in oracles().items()],
+        "judged_by": [[name, sorted(asked_by(one))] for name, one in CLAIMS.items()],
+        **_kept(),
         "implementations": [_implementation_row(*item) for item in READY_MADE.items()],
     }
+
+
+def asked_by(claim: Claim) -> set[str]:
+    """The oracles that the judge of a claim asks, itself or through the functions it calls."""
+    found, seen = set[str](), set[Any]()
+    waiting: list[Any] = [claim.judge]
+    while waiting:
+        function = waiting.pop()
+        function = getattr(function, "func", function)
+        code = getattr(function, "__code__", None)
+        if code is None or function in seen:
+            continue
+        seen.add(function)
+        inner = [one.cell_contents for one in function.__closure__ or () if one.cell_contents]
+        named = [function.__globals__.get(name) for name in _names(code)]
+        for one in [*inner, *named]:
+            home = getattr(one, "__module__", None) or getattr(one, "__name__", "")
+            if str(home).startswith("isograde.oracles."):
+                found.add(str(home))
+            elif str(home).startswith("isograde.claims."):
+                waiting.append(one)
+    return found
+
+
+def _names(code: CodeType) -> set[str]:
+    """The names that a function, or one inside it, takes from its module."""
+    inner = [one for one in code.co_consts if isinstance(one, CodeType)]
+    return {*code.co_names, *(name for one in inner for name in _names(one))}
+
+
+def oracles() -> dict[str, list[Any]]:
+    """What each oracle says of itself, and the tests that check it: those that import it."""
+    found = {}
+    for module in iter_modules(package.__path__):
+        name = f"{package.__name__}.{module.name}"
+        tests = [
+            [path.name, first_line_of(text)]
+            for path, text in _tests()
+            if f"oracles.{module.name} " in text or f"oracles import {module.name}" in text
+        ]
+        found[name] = [first_line_of(inspect.getsource(import_module(name))), tests]
+    return found
+
+
+@cache
+def _tests() -> list[tuple[Path, str]]:
+    """The tests of a checkout, with their text."""
+    folder = ROOT / "tests" / "isograde"
+    return [(path, path.read_text(encoding="utf-8")) for path in sorted(folder.glob("test_*.py"))]
+
+
+def first_line_of(source: str) -> str:
+    """The first sentence of a module's docstring; nothing where it has none."""
+    said = ast.get_docstring(ast.parse(source)) or ""
+    return " ".join(said.split("\n\n")[0].split())
+
+
+def _kept() -> Catalogue:
+    """Of the reports that are kept: tiles of rules that the plan covers, and mutants killed."""
+    coverage = json.loads((ROOT / "reports" / "coverage.json").read_text(encoding="utf-8"))
+    tiles = [[rule, count] for rule, count in coverage["Tiles of the cube rules"].items()]
+    mutation = ROOT / "reports" / "mutation" / "README.md"
+    lines = mutation.read_text(encoding="utf-8").splitlines() if mutation.exists() else []
+    said = [line for line in lines if "killed" in line and not line.startswith(("#", "|"))]
+    return {"tiles": tiles, "mutation": [[line] for line in said[:1]]}
 
 
 def write() -> None:

@@ -366,6 +366,45 @@ def join(
 
 
 @app.command()
+def dossier(
+    implementation: Annotated[
+        str | None,
+        typer.Argument(metavar="IMPLEMENTATION", help="As of grade; or a report, or its folder."),
+    ] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", help="The document, a .pdf or .html.")] = Path(
+        "dossier.pdf"
+    ),
+    verify: Annotated[
+        Path | None,
+        typer.Option(metavar="DOSSIER", help="Check one that was filed, and do nothing else."),
+    ] = None,
+    sign: Annotated[
+        str | None, typer.Option(metavar="KEY", help="A key of GnuPG to sign the checksums with.")
+    ] = None,
+    full: Annotated[bool, typer.Option("--full", help="As of isograde grade.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="As of isograde grade.")] = 0,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="GLOB", help="As of isograde grade.")
+    ] = None,
+    timeout: Annotated[float, typer.Option(min=0.01, help="Seconds a call may take.")] = 30.0,
+    memory: Annotated[int, typer.Option(min=16, help="Megabytes it may hold.")] = 4096,
+) -> None:
+    """Make a document to file, with everything it rests on, or check one."""
+    if (implementation is None) == (verify is None):
+        stop(Exit.WRONG_USE, "name an implementation or a report, or --verify a dossier")
+    from isograde.commands import dossiers
+    from isograde.model import Limits
+    from isograde.runner import Options, processors
+
+    if verify is not None:
+        dossiers.verify(verify)
+    assert implementation is not None
+    limits = Limits(timeout, memory)
+    options = Options(seed, full, tuple(only or ()), limits, processors())
+    dossiers.make(implementation, options, out, sign)
+
+
+@app.command()
 def compare(
     files: Annotated[list[Path], typer.Argument(metavar="REPORT...")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="An .html or .md file.")] = None,

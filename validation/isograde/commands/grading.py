@@ -81,6 +81,12 @@ def grade_one(
     raise typer.Exit(_status(result, path, strict))
 
 
+def graded(spec: str, options: Options, path: Path) -> reading.Report:
+    """The report of one implementation; stops the command where there is none."""
+    with _faults_told(path):
+        return _grade(spec, options, path)
+
+
 def join_parts(files: list[Path], out: Path, kinds: list[str], strict: bool) -> None:
     """The parts of a run joined, the whole report written and told."""
     found = [read_report(path) for path in files]
