@@ -15,6 +15,7 @@ from isograde.cases import FAMILIES, all_cases, analytic, cells, noise, pairs, t
 from isograde.cases.frozen import digest, integers
 from isograde.formats.reading import VolumeError
 from isograde.model import Case, Kind
+from isograde.oracles.bodies import KINDS
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
@@ -364,8 +365,8 @@ def test_every_kind_is_posed_in_every_way_on_a_few_small_cases() -> None:
 def test_bodies_are_a_family_of_the_catalogue() -> None:
     """Their kinds have few cases by default."""
     kinds = {case.kind for case in FAMILIES["bodies"].cases(0)}
-    assert len(kinds) == 10
+    assert kinds == {Kind(*kind) for kind in KINDS}
     for kind in kinds:
         listed = [case for case in FAMILIES["bodies"].cases(0) if case.kind == kind]
         default = sum("full" not in case.tags for case in listed)
-        assert 8 <= default <= 9 if kind.n <= 3 else default == 2
+        assert 8 <= default <= 9 if kind.n <= 3 else default == 2, kind

@@ -367,7 +367,7 @@ def test_all_leaves_out_what_does_not_start_and_compares_the_rest(
     assert result.exit_code == 1, result.output
     names = {path.name for path in tmp_path.iterdir()}
     stems = ("isoref-asymptotic-decider", "isoref-lorensen-cline")
-    assert names == {"comparison.html", "comparison.md"} | {
+    assert names == {"comparison.html", "comparison.md", "explorer.html"} | {
         f"{stem}{ending}" for stem in stems for ending in (".html", ".jsonl.gz")
     }
     text = (tmp_path / "comparison.html").read_text(encoding="utf-8")
@@ -570,4 +570,5 @@ def test_the_terminal_says_the_headline_and_what_is_right(tmp_path: Path) -> Non
     assert "Right on every case tried: the arrays are well formed" in told
     said = " ".join(told.split())
     assert "topology.closed: the cells [0, 0, 0] and [1, 0, 0] disagree on the face" in said
-    assert "(4 fields; so fails topology.manifold); smallest pairs/0217, 12 samples" in said
+    assert "(4 fields; so fails topology.manifold); smallest given/3x2x2/" in said
+    assert ", 12 samples" in said
