@@ -138,8 +138,8 @@ def report() -> None:
         f"{len(FAULTS)} extractors are broken on purpose (`tests/isograde/faults`), "
         f"{len(blind_ones)} of them written from the README and `isograde explain` alone, "
         f"{sum(bool(one.report) for one in FAULTS.values())} after a public report. "
-        f"**{len(shown)} are caught by the default plan, {len(survivors)} survive"
-        + (f": {', '.join(survivors)}.**" if survivors else ".**"),
+        f"**{len(shown)} are caught by the default plan, {len(survivors)} were not, "
+        f"on the special, noise and long cases on which they were tried: {', '.join(survivors)}.**",
         "",
         "`first` is the claim that must catch it: on the case named beside it no lower promise is "
         "broken. The suite judges that case again for every fault. The last column comes from the "

@@ -36,7 +36,7 @@ class Fault:
 
 FAULTS: dict[str, Fault] = {}
 
-#: Those that the default plan does not catch, and what would.
+#: Those that no case of the default plan was seen to catch, and what would.
 SURVIVORS = {
     "single-precision-samples": "by design: digits lost on an offset are a degree, no fault "
     "(range.shift); a float64 field whose differences are below single precision would show it",
@@ -46,9 +46,9 @@ SURVIVORS = {
     "a claim on conventions would tell, as `isograde check` does for others",
     "zero-is-halfway": "an edge with a tied end is excused from the claim on crossings: the "
     "crossing could be asked to stand at the tied end",
-    "nine-bits": "one axis of the plan is longer than 65,536, but no two crossings on it are 512 "
-    "apart: two specks that far apart, along each axis",
-    "short-indices": "the same with 65,536 samples between two crossings",
+    "nine-bits": "shapes/long-* are crossed at 0 to 5 and from 65,593 on; noise from 65,536 on "
+    "would meet the names of the near end",
+    "short-indices": "the same: samples 65,536 apart in the flat index, both at a crossing",
     "sixteen-million": "names beyond 2^24 are in the full plan only, as issue 13 has it",
 }
 
