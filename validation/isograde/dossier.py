@@ -40,7 +40,7 @@ from isograde.report.page import done_for, environment
 from isograde.report.reading import Report, findings_of, read, results_tagged
 
 # Families whose fields are drawn at random, from a seed; a rate can be said of these alone.
-DRAWN = ("mosaics", "noise", "trilinear")
+DRAWN = ("noise", "trilinear")
 CONFIDENCE = 0.95
 # Name so many failed cases of a claim.
 NAMED = 12
