@@ -86,7 +86,8 @@ def _empty_for_error(outcome: Outcome, request: Request, conventions: Convention
         _one_sided(part, isovalue, conventions)
         for part, isovalue in zip(parts, request.isovalues, strict=True)
     ]
-    if not any(one_sided):
+    # A lattice that is one sample thick has no cells, and so no level set.
+    if not any(one_sided) and min(field.shape) > 1:
         return outcome
     nothing = np.empty((0, kind.n)), np.empty((0, kind.k + 1), np.int64)
     return replace(outcome, status=Status.OK, vertices=nothing[0], simplices=nothing[1])
