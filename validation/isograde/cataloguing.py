@@ -11,7 +11,7 @@ import inspect
 import json
 from collections import Counter
 from collections.abc import Collection, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -67,7 +67,10 @@ def asked_by(claim: Claim) -> set[str]:
     waiting: list[Any] = [claim.judge]
     while waiting:
         function = waiting.pop()
-        function = getattr(function, "func", function)
+        if isinstance(function, partial):
+            # What is bound to a function may be the function that asks.
+            waiting += [function.func, *function.args, *function.keywords.values()]
+            continue
         code = getattr(function, "__code__", None)
         if code is None or function in seen:
             continue
@@ -78,7 +81,7 @@ def asked_by(claim: Claim) -> set[str]:
             home = getattr(one, "__module__", None) or getattr(one, "__name__", "")
             if str(home).startswith("isograde.oracles."):
                 found.add(str(home))
-            elif str(home).startswith("isograde.claims."):
+            elif str(home).startswith("isograde.claims.") or isinstance(one, partial):
                 waiting.append(one)
     return found
 

@@ -34,6 +34,7 @@ from typing import Any
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
+from isograde.cases import PLAN
 from isograde.grading import grade as graded
 from isograde.model import AdapterError, Limits
 from isograde.progress import progress
@@ -239,19 +240,30 @@ def _about(said: Mapping[str, Any], calls: str) -> About:
 
 
 def page() -> Path:
-    """``reports/league/index.html``, of the league's reports and the ready-made names'."""
-    found, links = [], {}
+    """``reports/league/index.html``, of the league's reports and the ready-made names'.
+
+    Only reports of the present plan stand beside each other; of the others it is said.
+    """
+    found, links, absent = [], {}, {}
     for folder in (REPORTS, READY_MADE):
         for path in sorted(folder.glob("*.jsonl.gz")):
             report = read(path)
+            plan = report.header.get("plan", 1)
+            if report.name in links:
+                continue
+            if plan != PLAN:
+                absent[report.name] = f"graded on plan {plan}, not yet on plan {PLAN}"
+                continue
+            absent.pop(report.name, None)
             found.append(report)
             stem = path.name.removesuffix(".jsonl.gz")
             links[report.name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
-    absent = {
-        package.name: (package.built / "failed.txt").read_text().strip().splitlines()[0]
-        for package in packages()
-        if (package.built / "failed.txt").exists()
-    }
+    for package in packages():
+        reason = package.built / "failed.txt"
+        for method in package.methods:
+            if method not in links:
+                failed = reason.exists() and reason.read_text().strip().splitlines()[0]
+                absent[method] = failed or "not graded yet"
     known = about()
     reports.write_whole(REPORTS / "league.md", twelve_lines(found, known))
     text = choosing_page(found, links, known, absent)

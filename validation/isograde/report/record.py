@@ -32,7 +32,7 @@ from dataclasses import dataclass
 from dataclasses import field as fresh
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
-from functools import cache
+from functools import cache, partial
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -178,7 +178,15 @@ def families_of(claim: Claim) -> str:
 
 
 def first_line(function: object) -> str:
-    """The first line of what a function says of itself; its name where it says nothing."""
+    """The first line of what a function says of itself; its name where it says nothing.
+
+    Of a function with some arguments bound it is the function's.
+    """
+    while True:
+        wrapped = getattr(function, "__wrapped__", None)
+        if wrapped is None and not isinstance(function, partial):
+            break
+        function = function.func if isinstance(function, partial) else wrapped
     text = inspect.getdoc(function) or str(getattr(function, "__name__", function))
     return text.split("\n\n")[0].replace("\n", " ").rstrip(".")
 
