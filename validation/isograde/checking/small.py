@@ -24,6 +24,8 @@ from isograde.model import BAD, Case, Claim, Kind, Limits, Outcome, Request, Ver
 CASES_TRIED, SECONDS = 200, 2.5
 # Claims of a declared level up to this are judged on small cases.
 HIGHEST = 2
+# Samples of a known body that is small enough here.
+LARGEST_BODY = 5_000
 # Families with cases of a few samples, quickly listed.
 QUICK = ("cells", "ties", "noise", "contours", "curves", "simplices")
 # What takes longer than all other claims together, and on how many cases it is judged.
@@ -83,6 +85,9 @@ def small_cases(
     declared = replace(declaration, limits=only)
     claims = {name: one for name, one in claims_for(declared).items() if _asked(one)}
     listed = [case for name in QUICK for case in FAMILIES[name].cases(0)]
+    if not any(case.kind == kind for case in listed):
+        # Of a kind of which no family is quick, the known bodies are the smallest there are.
+        listed = [case for case in FAMILIES["bodies"].cases(0) if case.samples <= LARGEST_BODY]
     cases = {case.id: _within(case, within) for case in listed if case.kind == kind}
     worker = Worker(Under(adapter, declared), declared, cases, claims)
     deadline = time.monotonic() + SECONDS
