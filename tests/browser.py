@@ -61,7 +61,7 @@ def found(page: str, script: str, folder: Path, *flags: str, fragment: str = "")
             f"{file.as_uri()}{fragment}",
         ],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=120,
         check=True,
     )

@@ -77,19 +77,21 @@ def test_an_attack_costs_the_call_in_which_it_is_made(
     assert (precious / "work.txt").read_text() == "years of it"
 
 
-@pytest.mark.parametrize("act", ["runs_on", "daemon"])
-def test_children_with_sessions_of_their_own_are_ended(act: str) -> None:
+def test_children_with_sessions_of_their_own_are_ended() -> None:
     before = {one.pid for one in psutil.process_iter()}
     adapter = open_adapter(f"python:{SLY}:runs_on")
     adapter.open(Limits(seconds=20.0, megabytes=400))
     assert adapter.run(Request("test", "plain", FIELD, (0.5,))).status is Status.OK
-    mine = [
-        one
-        for one in psutil.process_iter()
-        if one.pid not in before and "time.sleep(61)" in " ".join(one.cmdline())
-    ]
+    # A child that was forked a moment ago may not be what it will be yet.
+    deadline = time.monotonic() + 10
+    mine: list[psutil.Process] = []
+    while not mine and time.monotonic() < deadline:
+        mine = [
+            one
+            for one in psutil.process_iter()
+            if one.pid not in before and "time.sleep(61)" in " ".join(one.cmdline())
+        ]
     assert len(mine) == 1
-    assert mine[0].ppid() != 1 or act
     adapter.close()
     gone, alive = psutil.wait_procs(mine, timeout=5)
     assert gone

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from isograde import grading
+from isograde.cases import PLAN
 from isograde.drafts import Busy, Draft, NotResumed, fingerprint, unfinished
 from isograde.grading import INTERRUPTED, Manner, grade, place_of
 from isograde.report import reading
@@ -262,4 +263,4 @@ def test_a_draft_is_read_as_a_report_that_was_cut_off(broken: str, tmp_path: Pat
     found = reading.read(unfinished(path))
     assert found.footer is None
     assert len(found.results) == 3
-    assert json.loads(unfinished(path).read_text().splitlines()[0])["plan"] == 1
+    assert json.loads(unfinished(path).read_text().splitlines()[0])["plan"] == PLAN

@@ -124,6 +124,9 @@ def build(package: Package) -> None:
             "declaration": package.declaration(method),
         }
         (package.built / f"{method}.json").write_text(json.dumps(told, indent=1))
+        # The kit for Rust sends a declaration on as it is written, so on one line.
+        said_alone = json.dumps(told["declaration"])
+        (package.built / f"{method}.declaration.json").write_text(said_alone)
     install = package.said["install"]
     how = next((way for way in INSTALLERS if way in install), None)
     if how is None:
@@ -132,7 +135,8 @@ def build(package: Package) -> None:
     script = package.built / "run"
     # The kits answer on descriptor 3; what the package prints is for people.
     kept = "3>&1 1>&2" if how in KITTED else ""
-    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} "$1.json" {kept}\n')
+    given = "$1.declaration.json" if how == "cargo" else "$1.json"
+    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} "{given}" {kept}\n')
     script.chmod(0o755)
     (package.built / "ready").touch()
 
