@@ -274,7 +274,8 @@ def _npy(path: Path, _: Asked) -> Stored:
 
 def _npz(path: Path, asked: Asked) -> Stored:
     """The array `values` of a NumPy archive, with `spacing`, `origin`, `directions` or `affine`."""
-    with np.load(path, allow_pickle=False) as archive:
+    # NumPy leaves its file open where the archive is broken; ours is closed.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
         name = asked.dataset or "values"
         if name not in archive:
             raise FieldError(f"it holds {sorted(archive)}, and no array named {name}")
