@@ -26,7 +26,9 @@ def kept() -> dict[str, dict[str, int]]:
 @pytest.mark.slow
 def test_nothing_that_is_covered_is_lost() -> None:
     """Row by row of the kept report."""
+    assert kept()
     for table, rows in kept().items():
+        assert rows, table
         for name, number in rows.items():
             assert now()[table][name] >= number, (table, name)
 

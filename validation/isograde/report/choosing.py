@@ -23,9 +23,7 @@ from isograde.report.headline import (
     by_level,
     choices,
     family_of,
-    short,
     ties_torn,
-    waste,
     wrong_cells,
 )
 from isograde.report.page import environment
@@ -69,8 +67,6 @@ class Row:
     ties : the level holds with ties too; None where no field had ties
     torn : fields with ties that are torn, of how many
     wrong : wrong cells in a million on real scans
-    wasteful : the share of fields with unused vertices or triangles without area
-    short : what it is short of the next level
     worst : the first thing that is wrong, in a sentence; its claim; and whether it is promised
     """
 
@@ -88,8 +84,6 @@ class Row:
     ties: bool | None
     torn: tuple[int, int] | None
     wrong: float | None
-    wasteful: float | None
-    short: str
     worst: str
     worst_claim: str
     worst_held: bool
@@ -118,7 +112,6 @@ class Need:
 def row(report: Report, rank: int, link: str, about: About = NOBODY) -> Row:
     """The row of a report."""
     reached = report.reached
-    wasted = waste(report)
     found = [one for one in causes(report) if not one.choice and one.root.id not in CONVENTIONS]
     return Row(
         rank,
@@ -135,8 +128,6 @@ def row(report: Report, rank: int, link: str, about: About = NOBODY) -> Row:
         report.with_ties,
         ties_torn(report),
         wrong_cells(report),
-        None if wasted == inf else wasted,
-        short(report),
         found[0].said if found else "",
         found[0].root.id if found else "",
         bool(found) and found[0].held,

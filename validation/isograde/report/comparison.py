@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from isograde.model import BAD
 from isograde.report import words
 from isograde.report.findings import by_choice
-from isograde.report.headline import by_level, by_topology, standing, titled
+from isograde.report.headline import anded, by_level, by_topology, standing, titled
 from isograde.report.lines import JSON
 from isograde.report.markdown import MARK, plain
 from isograde.report.page import environment
@@ -142,7 +142,7 @@ def _runs(reports: Sequence[Report]) -> Iterator[str]:
 def _headlines(title: str, reports: Sequence[Report]) -> str:
     """The headlines in one of the orders."""
     lines = [
-        f"{place}. {plain(_and([titled(one) for one in group]))} - {plain(said)}"
+        f"{place}. {plain(anded([titled(one) for one in group]))} - {plain(said)}"
         for place, said, group in ranked(title, reports)
     ]
     return "\n".join([f"### {title.capitalize()}", "", *lines])
@@ -161,11 +161,6 @@ def ranked(title: str, reports: Sequence[Report]) -> list[tuple[int, str, list[R
         else:
             rows.append((place, said, [report]))
     return rows
-
-
-def _and(names: Sequence[str]) -> str:
-    """Names with "and" between the last two."""
-    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def _rows(reports: Sequence[Report]) -> str:

@@ -23,6 +23,7 @@ from isograde.model import BAD, SURFACES, Case, Kind, Outcome, Status, Trial, Ve
 from isograde.oracles.bilinear import saddle_sign
 from isograde.oracles.complexes import Complex
 from isograde.oracles.lattice import Lattice
+from isograde.report.headline import anded
 from isograde.report.lines import JSON
 from isograde.report.misplaced import misplacement
 from isograde.report.reading import Report, Summary, findings_of
@@ -156,18 +157,8 @@ def _by(seen: Seen) -> str:
     """Where: in one cell, or once by each of two."""
     cells = seen.around()
     if len(cells) == 2:
-        return f"in the face between the cells {_and(cells)}: each of the two draws them"
+        return f"in the face between the cells {anded(cells)}: each of the two draws them"
     return f"in the cell {cells[0]}" if len(cells) == 1 else "there"
-
-
-def _and(names: Sequence[object]) -> str:
-    """Names with "and" between the last two.
-
-    >>> _and([[0, 0], [1, 0]]), _and(["a", "b", "c"])
-    ('[0, 0] and [1, 0]', 'a, b and c')
-    """
-    words = [str(name) for name in names]
-    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
 
 def _in_face(seen: Seen, rows: Integers) -> str:
@@ -183,7 +174,7 @@ def _in_face(seen: Seen, rows: Integers) -> str:
     count, shares = _shares(seen, axis, cells)
     return (
         f"{count or int(level.sum())} triangles lie flat in the face between the cells "
-        f"{_and(cells)}{shares}, and share an edge"
+        f"{anded(cells)}{shares}, and share an edge"
     )
 
 
@@ -221,7 +212,7 @@ def _of_dual(seen: Seen, count: int) -> str:
     ends = np.array(seen.numbers["first"], float)
     cells = [np.floor(end).astype(int).tolist() for end in ends]
     return (
-        f"{count} triangles share the edge between the vertices of the cells {_and(cells)}: two "
+        f"{count} triangles share the edge between the vertices of the cells {anded(cells)}: two "
         "sheets of the surface pass through the face between them, and each cell has one vertex"
     )
 
@@ -317,11 +308,11 @@ def _disagree(seen: Seen, cells: list[list[int]]) -> str:
             said.append("joins its inside corners" if joined else "does neither")
     if said.count("does neither") and seen.lattice.tied.any():
         return (
-            f"a hole in the face between the cells {_and(cells)}, at a sample that equals the "
+            f"a hole in the face between the cells {anded(cells)}, at a sample that equals the "
             "isovalue"
         )
     told = "; ".join(f"{cell} {what}" for cell, what in zip(cells, said, strict=True))
-    return f"the cells {_and(cells)} disagree on the face between them: {told}"
+    return f"the cells {anded(cells)} disagree on the face between them: {told}"
 
 
 def _turned(report: Report, summary: Summary, seen: Seen | None) -> str:
@@ -384,7 +375,7 @@ def _astray(report: Report, summary: Summary, seen: Seen | None) -> str:
     if whole.sum() == n - 1:
         return f"a vertex stands at index {place}, on an edge whose ends are on the same side"
     if whole.any() and len(cells) == 2:
-        return f"a vertex stands inside the face between the cells {_and(cells)}, at index {place}"
+        return f"a vertex stands inside the face between the cells {anded(cells)}, at index {place}"
     return ""
 
 
@@ -444,7 +435,7 @@ def _by_case(report: Report, summary: Summary, seen: Seen | None) -> str:
     for fault, shares in faults.items():
         more = len(shares) - TOLD
         rest = [f"{more} more case{'s' if more > 1 else ''}"] if more > 0 else []
-        told = _and([*shares[:TOLD], *rest])
+        told = anded([*shares[:TOLD], *rest])
         said.append(f"{fault} in {told}")
     return "; ".join(said)
 
@@ -517,7 +508,7 @@ def _entry(report: Report, summary: Summary, seen: Seen | None) -> str:
         detail = _as_judged(summary).split("; ", 1)[-1]
         return (
             f"one entry of the table is wrong: whenever the corners "
-            f"{_and([_corner(i, width) for i in inside])} alone are inside; {detail}"
+            f"{anded([_corner(i, width) for i in inside])} alone are inside; {detail}"
         )
     return ""
 

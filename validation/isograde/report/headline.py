@@ -164,6 +164,16 @@ def listed(names: Sequence[str], most: int = 2) -> str:
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
+def anded(names: Sequence[object]) -> str:
+    """Names with "and" between the last two.
+
+    >>> anded([[0, 0], [1, 0]]), anded(["a", "b", "c"])
+    ('[0, 0] and [1, 0]', 'a, b and c')
+    """
+    words = [str(name) for name in names]
+    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
 def fault(report: Report, rung: Rung) -> str:
     """The fault of most fields that fail the rung in general position, in words."""
     names = {summary.id for summary in rung.summaries}

@@ -12,4 +12,5 @@ def surface(values, isovalue, spacing, close):
     if 1 not in mesher.ids():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     mesh = mesher.get(1, normals=False, reduction_factor=0)
-    return mesh.vertices, mesh.faces
+    # A closed mesh is that of the labels with a sample more on every side.
+    return mesh.vertices - close * np.asarray(spacing), mesh.faces

@@ -21,7 +21,8 @@ impl Extract for Cubes {
                 }
             }
         }
-        let size = |a: usize| shape[a] as f32 * spacing[a] as f32;
+        // It multiplies indices by the size over the interval.
+        let size = |a: usize| spacing[a] as f32;
         let cubes = MarchingCubes::new(
             (nx, ny, nz),
             (size(0), size(1), size(2)),
