@@ -47,7 +47,7 @@ def modules(arguments: Sequence[str]) -> int:
         [sys.executable, "-X", "importtime", *arguments],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
         check=True,
     )
     return sum(line.startswith("import time:") for line in done.stderr.splitlines())

@@ -126,7 +126,7 @@ def test_help_and_check_wait_for_nothing_they_do_not_use(module: str) -> None:
     """
     program = f"import sys, {module}; print(*{{one.split('.')[0] for one in sys.modules}})"
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     heavy = {"scipy", "trimesh", "matplotlib", "jinja2", "jsonschema", "skimage"}
     assert "isograde" in done.stdout.split()
@@ -151,6 +151,25 @@ for module in pkgutil.walk_packages(package.__path__, {package!r} + "."):
     importlib.import_module(module.name)
 """
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", program],
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("folder", ["validation", "benchmarks", "tests"])
+def test_what_programs_print_is_read_as_utf8(folder: str) -> None:
+    """Never in the locale's encoding, which a library in the same process may set to ASCII."""
+    calls = 0
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call):
+                words = {word.arg for word in node.keywords}
+                calls += "encoding" in words
+                read = words & {"capture_output", "stdout", "stderr"}
+                locale = words & {"text", "universal_newlines"}
+                assert not (read and locale), f"{path}:{node.lineno}: say encoding="
+    assert calls

@@ -36,7 +36,7 @@ def test_the_base_install_is_what_the_design_says() -> None:
 def tracked() -> list[Path]:
     """The text files that git knows."""
     listed = subprocess.run(
-        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, encoding="utf-8", check=False
     )
     if listed.returncode:
         pytest.skip("no checkout of git")
@@ -88,7 +88,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the wheel and the sdist, made without a network by the installed hatchling."""
     folder = tmp_path_factory.mktemp("dist")
     command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(ROOT)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder
 
@@ -104,7 +104,7 @@ def test_packages_are_checked_by_twine_and_hold_what_they_should(packages: Path)
     done = subprocess.run(
         [sys.executable, "-m", "twine", "check", "--strict", *files],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     assert done.returncode == 0, done.stdout
@@ -155,7 +155,7 @@ def test_the_wheel_alone_checks_and_grades_ones_own_function(
         str(ROOT / "constraints.txt"),
         str(wheel),
     ]
-    done = subprocess.run(install, capture_output=True, text=True, check=False)
+    done = subprocess.run(install, capture_output=True, encoding="utf-8", check=False)
     if done.returncode and re.search(r"connection|resolve|network", done.stderr, re.I):
         pytest.skip(f"no package index: {done.stderr[-200:]}")
     assert done.returncode == 0, done.stderr
@@ -163,7 +163,7 @@ def test_the_wheel_alone_checks_and_grades_ones_own_function(
     listed = subprocess.run(
         [str(binaries / "pip"), "list", "--format", "freeze"],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=True,
     )
     assert not {"scikit-image", "vtk", "matplotlib", "trimesh"} & names(listed.stdout.split())
@@ -182,7 +182,7 @@ def test_the_wheel_alone_checks_and_grades_ones_own_function(
 
     def isograde(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [str(binaries / "isograde"), *arguments]
-        return subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
+        return subprocess.run(command, cwd=work, capture_output=True, encoding="utf-8", check=False)
 
     checked = isograde("check", "python:mine:extract", "--timeout", "60")
     assert checked.returncode in (0, 1), checked.stderr

@@ -48,7 +48,7 @@ def runner(tmp_path: Path) -> Any:
         line = line.replace(" --out", PART) if "isograde grade" in line else line
         command = ["bash", "-e", "-o", "pipefail", "-c", line]
         return subprocess.run(
-            command, cwd=work, env=there, capture_output=True, text=True, check=False
+            command, cwd=work, env=there, capture_output=True, encoding="utf-8", check=False
         )
 
     return run, work
@@ -119,7 +119,7 @@ def test_the_recipes_name_only_options_that_there_are() -> None:
         done = subprocess.run(
             [sys.executable, "-m", "isograde", command, "--help"],
             capture_output=True,
-            text=True,
+            encoding="utf-8",
             check=True,
         )
         assert option in done.stdout, (command, option)

@@ -471,7 +471,9 @@ def test_readers_use_it_by_mouse_keys_and_fingers() -> None:
     """`npm test`: input, links, names, contrast, motion, a telephone, the cost of a frame."""
     need_node()
     chromium()
-    done = subprocess.run(["npm", "test"], cwd=FOLDER, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["npm", "test"], cwd=FOLDER, capture_output=True, encoding="utf-8", check=False
+    )
     assert done.returncode == 0, done.stdout[-6000:]
     assert "# fail 0" in done.stdout
 

@@ -153,7 +153,7 @@ def test_no_library_is_imported_to_list_the_names() -> None:
     """Adapters import a library in the worker that runs it, and nowhere else."""
     program = "import isograde.adapters, sys; print(*{m.split('.')[0] for m in sys.modules})"
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     imported = {name.split(".")[0] for lib in LIBRARIES for name in lib.LIBRARY["imports"]}
     # The grader shares two words with the reference: see test_architecture.

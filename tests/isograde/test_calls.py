@@ -38,7 +38,7 @@ def test_what_is_public_waits_to_be_used() -> None:
     """`import isograde` imports nothing else, so that help and a plug-in of pytest are quick."""
     program = "import sys, isograde; print('numpy' in sys.modules, 'rich' in sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     assert done.stdout.split() == ["False", "False"]
 
@@ -181,7 +181,9 @@ def test_a_script_without_a_guard_is_graded_in_several_processes(tmp_path: Path)
         "print(isograde.grade(mine, only=['cells/outside/*', 'topology.closed'], jobs=2).holds)\n",
         encoding="utf-8",
     )
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, script], capture_output=True, encoding="utf-8", check=False
+    )
     assert done.stdout.split() == ["once", "True"], done.stderr
 
 

@@ -21,7 +21,7 @@ FEW = "structure.finite or structure.in_range or topology.closed"
 def pytest_of(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """What a pytest of its own says in this folder."""
     command = [sys.executable, "-m", "pytest", *PLUGIN, "-p", "no:cacheprovider", *arguments]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", check=False)
 
 
 CONFORMANCE = ("--pyargs", "isograde.conformance")

@@ -211,7 +211,7 @@ def test_the_command_can_be_called_as_a_module_and_says_its_version(begin: list[
         assert result.output == f"isograde {isograde.__version__}\n"
         return
     done = subprocess.run(
-        [sys.executable, *begin, "--version"], capture_output=True, text=True, check=True
+        [sys.executable, *begin, "--version"], capture_output=True, encoding="utf-8", check=True
     )
     assert done.stdout == f"isograde {isograde.__version__}\n"
 
@@ -324,7 +324,7 @@ def test_the_command_runs_as_a_process_without_a_terminal(tmp_path: Path) -> Non
     done = subprocess.run(
         [*command, "--only", "pairs/02*", "--out", str(tmp_path)],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=120,
         check=False,
     )

@@ -42,7 +42,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def lines_of(path: Path) -> list[dict[str, Any]]:
     """The lines of a report."""
-    return [json.loads(line) for line in path.read_text().splitlines()]
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
 def without(name: str) -> Any:
@@ -346,7 +346,7 @@ def test_a_system_without_fcntl_is_told_so() -> None:
     ):
         program = f"{hide}sys.argv = ['isograde', *{arguments!r}]\nmain()"
         done = subprocess.run(
-            [sys.executable, "-c", program], capture_output=True, text=True, check=False
+            [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=False
         )
         assert done.returncode == status, done.stderr
         assert word in done.stdout + done.stderr

@@ -149,13 +149,13 @@ def test_another_run_is_not_gone_on_with(broken: str, tmp_path: Path) -> None:
     with pytest.raises(NotResumed, match="seed changed"):
         grade(broken, other, path, resume=True)
     script = Path(broken.split(":")[1])
-    text = script.read_text()
-    script.write_text(f"{text}# changed\n")
+    text = script.read_text(encoding="utf-8")
+    script.write_text(f"{text}# changed\n", encoding="utf-8")
     try:
         with pytest.raises(NotResumed, match="the implementation's files changed"):
             grade(broken, ONLY, path, resume=True)
     finally:
-        script.write_text(text)
+        script.write_text(text, encoding="utf-8")
     with pytest.raises(KeyboardInterrupt):
         grade(broken, ONLY, path, resume=True, watch=stop_after(6))
     assert sum(one["record"] == "result" for one in lines(unfinished(path))) == 6
@@ -188,7 +188,9 @@ def test_the_lock_of_a_process_that_was_killed_is_gone(tmp_path: Path) -> None:
         f"with Draft.of(Path({str(tmp_path / 'report.jsonl')!r}), [{HEADER!r}], None):\n"
         "    print('locked', flush=True); time.sleep(60)"
     )
-    running = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    running = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, encoding="utf-8"
+    )
     assert running.stdout is not None
     assert running.stdout.readline() == "locked\n"
     with pytest.raises(Busy), Draft.of(tmp_path / "report.jsonl", [HEADER], None):

@@ -280,7 +280,12 @@ def test_it_reads_both_orders_of_bytes(project: Path, tmp_path: Path) -> None:
             lines.append(run_line(number, order + kind, path, values.shape, isovalue))
     text = "".join(json.dumps(line) + "\n" for line in lines)
     done = subprocess.run(
-        [project / "run"], input=text, capture_output=True, text=True, check=True, timeout=120
+        [project / "run"],
+        input=text,
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+        timeout=120,
     )
     _, *answers = map(json.loads, done.stdout.splitlines())
     assert len(answers) == 2 * len(TYPES)

@@ -78,7 +78,7 @@ def test_the_checker_runs_by_itself(tmp_path: Path) -> None:
 
     def run(*files: object) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-I", "-S", *map(str, [CHECKER, *files])]
-        return subprocess.run(command, capture_output=True, text=True, check=False)
+        return subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
 
     assert run(right).returncode == 0
     assert run(right).stdout == f"{right}: right, 256 tiles\n"

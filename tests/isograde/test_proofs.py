@@ -29,7 +29,9 @@ def run(
 ) -> subprocess.CompletedProcess[str]:
     """A program that ended."""
     words = [str(word) for word in command]
-    return subprocess.run(words, capture_output=True, text=True, check=False, cwd=cwd, env=env)
+    return subprocess.run(
+        words, capture_output=True, encoding="utf-8", check=False, cwd=cwd, env=env
+    )
 
 
 def export_module() -> ModuleType:

@@ -183,7 +183,7 @@ def test_wrong_use_is_said(tmp_path: Path) -> None:
     assert status == 4
     assert "topology.closed" in output
     assert told("search", "python:nowhere:f", "--cases", file)[0] == 3
-    Path(file).write_text("no cases")
+    Path(file).write_text("no cases", encoding="utf-8")
     for command in ("search", "grade"):
         status, output = told(command, "isoref:trilinear-cubes", "--cases", file)
         assert status == 2

@@ -91,7 +91,7 @@ def prepare(size: int, timeout: float) -> None:
 def commit() -> str:
     """The commit that is checked out, or what there is instead."""
     command = ["git", "rev-parse", "--short", "HEAD"]
-    told = subprocess.run(command, cwd=HERE, capture_output=True, text=True, check=False)
+    told = subprocess.run(command, cwd=HERE, capture_output=True, encoding="utf-8", check=False)
     return told.stdout.strip() or "unknown"
 
 

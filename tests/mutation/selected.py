@@ -34,7 +34,7 @@ def checksums() -> dict[str, str]:
 
 def changed() -> list[str]:
     """The modules that differ from what they were."""
-    before: dict[str, str] = json.loads(CHECKSUMS.read_text())
+    before: dict[str, str] = json.loads(CHECKSUMS.read_text(encoding="utf-8"))
     now = checksums()
     return sorted(path for path in {*before, *now} if before.get(path) != now.get(path))
 
@@ -42,7 +42,7 @@ def changed() -> list[str]:
 def imports(path: Path, module: str) -> bool:
     """Whether a file imports the module ``oracles.name`` or ``claims.name``."""
     part, name = module.split(".")
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     long = re.search(rf"isograde\.{part}\.{name}\b", text)
     return bool(long or re.search(rf"from isograde\.{part} import [^\n]*\b{name}\b", text))
 

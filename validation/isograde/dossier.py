@@ -103,7 +103,7 @@ def _commit(package: Path) -> str:
         "--exclude=*",
     ]
     try:
-        done = subprocess.run(ask, capture_output=True, text=True, check=True, timeout=30)
+        done = subprocess.run(ask, capture_output=True, encoding="utf-8", check=True, timeout=30)
     except (OSError, subprocess.SubprocessError):
         return ""
     return done.stdout.strip()
@@ -300,7 +300,7 @@ def sign(places: Places, key: str) -> Path:
         raise DossierError("a signature needs gpg, which is not here")
     run = ["gpg", "--batch", "--yes", "--armor", "--local-user", key, "--output"]
     run += [str(places.signature), "--detach-sign", str(places.manifest)]
-    done = subprocess.run(run, capture_output=True, text=True, check=False)
+    done = subprocess.run(run, capture_output=True, encoding="utf-8", check=False)
     if done.returncode:
         raise DossierError(f"gpg did not sign: {done.stderr.strip().splitlines()[-1]}")
     return places.signature
@@ -362,7 +362,7 @@ def _signature(places: Places) -> Iterator[Checked]:
         return
     run = ["gpg", "--batch", "--status-fd", "1", "--verify"]
     run += [str(places.signature), str(places.manifest)]
-    done = subprocess.run(run, capture_output=True, text=True, check=False)
+    done = subprocess.run(run, capture_output=True, encoding="utf-8", check=False)
     who = [line.split(" ", 3)[3] for line in done.stdout.splitlines() if "GOODSIG" in line]
     if done.returncode or not who:
         yield False, "the signature is not one of these checksums by a key that is known here"

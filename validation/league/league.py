@@ -193,7 +193,9 @@ INSTALLERS = {"pip": _pip, "npm": _npm, "cargo": _cargo, "debian": _debian}
 def _told(command: list[str], folder: Path = ROOT) -> None:
     """The command ran; raises `LeagueError` with the end of what it printed where it failed."""
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, encoding="utf-8", check=False
+        )
     except FileNotFoundError as error:
         raise LeagueError(f"no {command[0]} on this machine") from error
     if done.returncode:

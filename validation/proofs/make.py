@@ -30,7 +30,7 @@ def compiled(name: str) -> str:
     """What Coq says while it compiles a file of the build folder."""
     print(f"coqc {name}.v", flush=True)
     command = ["coqc", "-q", "-R", ".", "Proofs", f"{name}.v"]
-    done = subprocess.run(command, cwd=BUILD, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=BUILD, capture_output=True, encoding="utf-8", check=False)
     if done.returncode:
         sys.exit(f"{name}.v is refused:\n{done.stdout}{done.stderr}")
     return done.stdout.strip()
@@ -62,7 +62,7 @@ def rule(name: str) -> bool:
     write_certificate(proof, certificate)
     for program in ([CHECKER, certificate], [HERE / "export.py", certificate]):
         done = subprocess.run(
-            [sys.executable, *program], capture_output=True, text=True, check=False
+            [sys.executable, *program], capture_output=True, encoding="utf-8", check=False
         )
         if done.returncode:
             sys.exit(f"{name}: {program[0]} says: {done.stdout}{done.stderr}")

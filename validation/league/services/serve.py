@@ -20,7 +20,7 @@ import numpy as np
 
 def main(path):
     """Answers requests until there are no more."""
-    method = json.loads(Path(path).read_text())
+    method = json.loads(Path(path).read_text(encoding="utf-8"))
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     sys.path.insert(0, str(Path(path).resolve().parent))
