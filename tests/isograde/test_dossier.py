@@ -113,6 +113,20 @@ def test_another_version_of_the_grader_does_not_make_it_again(filed: Path) -> No
     assert "another version of the grader" in found[-1][1]
 
 
+def test_who_graded_and_where_is_not_mistaken_for_who_made_the_document(tmp_path: Path) -> None:
+    """Attack: a report of another version and environment is made into a document here."""
+    report = graded()
+    here = {"python": dossier.facts()["python"], "isograde": "0.0.9", "commit": "abc"}
+    report.header["versions"] = here | {"numpy": "1.0"}
+    dossier.make(report, tmp_path / "old.html")
+    text = (tmp_path / "old.html").read_text(encoding="utf-8")
+    assert "<th>graded by</th><td>isograde 0.0.9, commit abc, plan" in text
+    assert "graded elsewhere or earlier, with isograde 0.0.9, numpy 1.0." in text
+    report.header["versions"] = {"python": here["python"]}
+    dossier.make(report, tmp_path / "new.html")
+    assert "graded elsewhere" not in (tmp_path / "new.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.skipif(shutil.which("gpg") is None, reason="gpg is not here")
 def test_a_signature_is_made_and_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     home = tmp_path / "home"
@@ -189,8 +203,11 @@ def test_the_pdf_has_numbered_pages_with_the_same_words(tmp_path: Path) -> None:
     pytest.importorskip("weasyprint", exc_type=(ImportError, OSError))  # type: ignore[arg-type]
     pdfium = pytest.importorskip("pypdfium2")
     dossier.make(graded(), tmp_path / "mine.pdf")
-    assert all(good for good, _ in dossier.verify(tmp_path / "mine.pdf"))
+    found = dossier.verify(tmp_path / "mine.pdf")
+    assert all(good for good, _ in found)
+    assert found[-1][1] == "mine.pdf is the one that the document makes"
     pages = pdfium.PdfDocument(tmp_path / "mine.pdf")
+    assert pages.get_metadata_dict()["Title"] == "Dossier of mine"
     texts = [page.get_textpage().get_text_bounded() for page in pages]
     assert len(texts) > 3
     for index, text in enumerate(texts, 1):

@@ -125,7 +125,8 @@ def _kept() -> Catalogue:
     tiles = [[rule, count] for rule, count in coverage["Tiles of the cube rules"].items()]
     mutation = ROOT / "reports" / "mutation" / "README.md"
     lines = mutation.read_text(encoding="utf-8").splitlines() if mutation.exists() else []
-    said = [line for line in lines if "killed" in line and not line.startswith(("#", "|"))]
+    plain = [line.replace("**", "") for line in lines]
+    said = [line for line in plain if "killed" in line and not line.startswith(("#", "|"))]
     return {"tiles": tiles, "mutation": [[line] for line in said[:1]]}
 
 

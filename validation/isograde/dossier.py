@@ -20,8 +20,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import platform
 import shutil
 import subprocess
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -42,6 +44,8 @@ from isograde.report.reading import Report, findings_of, read, results_tagged
 # Families whose fields are drawn at random, from a seed; a rate can be said of these alone.
 DRAWN = ("noise", "trilinear")
 CONFIDENCE = 0.95
+# What a document is made from: code, templates, and what is known of claims and oracles.
+MAKING = {".py", ".html", ".css", ".js", ".json"}
 # Name so many failed cases of a claim.
 NAMED = 12
 
@@ -78,6 +82,7 @@ def facts() -> JSON:
         "isograde": _version("isograde"),
         "commit": _commit(package),
         "code": code_checksum(package),
+        "python": platform.python_version(),
         "lock": lock(),
     }
 
@@ -111,9 +116,9 @@ def _commit(package: Path) -> str:
 
 @cache
 def code_checksum(package: Path) -> str:
-    """A checksum of every Python file of the grader."""
+    """A checksum of every file of the grader from which a document is made."""
     digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
+    for path in sorted(one for one in package.rglob("*") if one.suffix in MAKING):
         digest.update(path.relative_to(package).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
@@ -210,6 +215,8 @@ def document(report: Report, known: JSON) -> str:
         report=report,
         facts=known,
         headline=headline(report),
+        grader=grader(report),
+        elsewhere=elsewhere(report, known),
         verdict=words.verdict(report),
         declared=words.declared(report),
         does=done_for(report.spec),
@@ -226,6 +233,21 @@ def document(report: Report, known: JSON) -> str:
         named=NAMED,
         number=number(report, known),
     )
+
+
+def grader(report: Report) -> str:
+    """The version of isograde, and its commit where it was a checkout, that graded."""
+    versions = report.header["versions"]
+    commit = f", commit {versions['commit']}" if versions.get("commit") else ""
+    return f"isograde {versions.get('isograde', 'source')}{commit}"
+
+
+def elsewhere(report: Report, known: JSON) -> list[str]:
+    """What the run had in another version than the environment in which the document is made."""
+    here = dict(line.lower().split("==", 1) for line in known["lock"])
+    here |= {"python": known["python"]}
+    versions = {name: one for name, one in report.header["versions"].items() if name != "commit"}
+    return [f"{name} {one}" for name, one in versions.items() if here.get(name.lower()) != one]
 
 
 def number(report: Report, known: JSON) -> str:
@@ -385,3 +407,22 @@ def _made_again(places: Places) -> Iterator[Checked]:
     same = document(report, known) == places.of("html").read_text(encoding="utf-8")
     told = "the document is the one its report makes"
     yield same, told if same else "the document is not the one that its report makes"
+    if same and places.of("pdf").is_file():
+        yield True, _pdf_again(places)
+
+
+def _pdf_again(places: Places) -> str:
+    """Whether the document gives the same PDF here, byte for byte, in words.
+
+    Other fonts or another WeasyPrint give other bytes, so that nothing is held against a PDF.
+    """
+    name = places.of("pdf").name
+    with tempfile.TemporaryDirectory(prefix="isograde-") as folder:
+        again = Path(folder) / name
+        try:
+            write_pdf(places.of("html").read_text(encoding="utf-8"), again)
+        except DossierError:
+            return f"{name} is held by its checksum alone: there is no WeasyPrint to make it again"
+        if again.read_bytes() == places.of("pdf").read_bytes():
+            return f"{name} is the one that the document makes"
+    return f"{name} is held by its checksum alone: fonts and WeasyPrint here make other bytes"

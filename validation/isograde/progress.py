@@ -93,7 +93,7 @@ def _line_now_and_then(title: str) -> Watch:
 
 def _in_notebook(title: str) -> Iterator[Watch]:
     """A bar in the cell's answer."""
-    from IPython.display import HTML, display  # type: ignore[import-not-found]
+    from IPython.display import HTML, display
 
     place: Any = display(HTML(_bar(title, 0, 1, "")), display_id=True)
     due = time.monotonic()
