@@ -12,7 +12,19 @@ import numpy as np
 from isoref.field import Field
 from isoref.simplicial import extract as simplices
 
-from tests.isograde.miniatures import BROKEN, accurate, by_mean, made, trilinear
+from tests.isograde import mistaken
+from tests.isograde.faults import kinds
+from tests.isograde.miniatures import (
+    BROKEN,
+    ROUGH,
+    accurate,
+    by_mean,
+    changed,
+    made,
+    star,
+    trilinear,
+)
+from tests.isograde.test_perfect_claim import BROKEN as DEGENERATE
 
 
 def slug(name: str) -> str:
@@ -151,3 +163,64 @@ def no_curve(values: Any, isovalues: Any, spacing: Any) -> Any:
 
 
 MEAN = made(decide=by_mean)
+
+
+# --- what is known by formula -------------------------------------------------------------------
+
+curves_right = kinds.faces
+OF_KINDS = (
+    "curves_by_the_first_field", "curves_of_eight_points", "curves_of_four_points",
+    "curves_pulled_inwards", "curves_with_a_speck", "sections_as_printed", "sections_at_means",
+    "sections_with_a_bubble",
+)  # fmt: skip
+globals().update({name: getattr(kinds, name) for name in OF_KINDS})
+
+globals().update({slug(one.name): one.run for one in ROUGH})
+globals().update(
+    {
+        slug(told): changed(broken, made(decide=by_mean, cut=star))
+        for told, broken in DEGENERATE.items()
+    }
+)
+STARS = made(decide=by_mean, cut=star)
+
+
+def contour_with_a_speck(values: Any, isovalue: float, spacing: Any) -> Any:
+    """A closed contour more, too small to see."""
+    vertices, rows = contours(values, isovalue, spacing)
+    if not len(rows):
+        return vertices, rows
+    ring = np.array([[0, 1], [1, 2], [2, 0]]) + len(vertices)
+    tiny = vertices[0] + 1e-5 * np.array([[1.0, 1.0], [2.0, 1.0], [1.0, 2.0]])
+    return np.concatenate([vertices, tiny]), np.concatenate([rows, ring])
+
+
+def torn_curve(values: Any, isovalues: Any, spacing: Any) -> Any:
+    """A segment of the first curve is missing."""
+    vertices, rows = kuhn(values, isovalues, spacing)
+    return vertices, rows[1:]
+
+
+def kuhn_at_middles(values: Any, isovalues: Any, spacing: Any) -> Any:
+    """Every crossing in the middle of its edge."""
+    level = np.reshape(isovalues, (-1,) + (1,) * (np.ndim(values) - 1)) if np.ndim(isovalues) else 0
+    signs = np.where(np.asarray(values) >= (isovalues if np.ndim(isovalues) == 0 else level), 1, -1)
+    zeros = 0.0 if np.ndim(isovalues) == 0 else (0.0,) * len(isovalues)
+    return kuhn(signs.astype(float), zeros, spacing)
+
+
+with_epsilon = mistaken.with_epsilon
+
+
+def in_half_precision(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The samples are rounded to half precision before the isovalue is taken off."""
+    with np.errstate(over="ignore"):
+        half = np.asarray(values, np.float64).astype(np.float16)
+    return accurate(np.nan_to_num(half), isovalue, spacing)
+
+
+def half_a_curve(values: Any, isovalues: Any, spacing: Any) -> Any:
+    """The second half of the segments is missing."""
+    vertices, rows = kuhn(values, isovalues, spacing)
+    places = vertices[rows].mean(axis=1)
+    return vertices, rows[places[:, 1] < places[:, 1].mean()]

@@ -171,6 +171,14 @@ def searching(*asked: Any) -> Any:
     return vertices, faces
 
 
+def squaring(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Time is spent that grows as the square of the number of samples."""
+    end = time.process_time() + 0.004 * (values.size / 15_600) ** 2
+    while time.process_time() < end:
+        pass
+    return correct(values, isovalue, spacing)
+
+
 def hoarding(*asked: Any) -> Any:
     """A table with a row and a column for every eighth vertex."""
     vertices, faces = correct(*asked)

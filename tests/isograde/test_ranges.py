@@ -38,7 +38,11 @@ def test_an_absolute_epsilon_ends_the_range_of_small_values() -> None:
     """Of "range.scale": a thousandth of a thousandth is lost between 2^-10 and 2^-20."""
     found = measured(mistaken.with_epsilon, "range.scale")
     assert found.verdict is Verdict.FAIL
-    assert found.numbers == {"least": "2^-10", "greatest": "1e+300"}
+    assert found.numbers == {
+        "least": "2^-10",
+        "greatest": "1e+300",
+        "variant": "magnitude/2^-20",
+    }
 
 
 def test_single_precision_ends_the_ranges_where_its_numbers_end() -> None:
@@ -61,7 +65,7 @@ def test_half_precision_loses_the_answer_on_an_offset() -> None:
 
     found = measured(in_half, "range.shift")
     assert found.verdict is Verdict.FAIL
-    assert found.numbers == {"offset": "0"}
+    assert found.numbers == {"offset": "0", "variant": "offset/2^10"}
 
 
 @pytest.mark.parametrize("name", ["range.scale", "range.shift"])

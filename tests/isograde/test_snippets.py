@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import io
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -15,19 +17,22 @@ from typing import Any
 
 import pytest
 from isograde import grading
+from isograde.adapters.python import PythonAdapter
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from
 from isograde.model import CONTOURS, CURVES, Adapter, Case, Kind
+from isograde.report.page import page
 from isograde.report.shows import BODIES
-from isograde.report.snippet import snippet
+from isograde.report.snippet import snippet, without
 from isograde.shrinking import shrink
 
 from tests.isograde import accused
 from tests.isograde.judging import Here
-from tests.isograde.miniatures import BROKEN, Inside, Miniature
+from tests.isograde.miniatures import BROKEN, ROUGH, Inside, Miniature
 from tests.isograde.reporting import graded
 from tests.isograde.test_claims import CASES
+from tests.isograde.test_perfect_claim import BROKEN as DEGENERATE
 
 SOME = (
     "pairs/0217", "cells/outside/003", "noise/white-5x6x7", "ties/noise-00",
@@ -35,17 +40,8 @@ SOME = (
 )  # fmt: skip
 PLANE = ("contours/noise", "contours/waves")
 PAIRS = ("curves/noise-small", "curves/noise")
-# Claims of which there are no lines: an error is right there, or none is; what they ask takes more
-# than a snippet (time and memory, errors that shrink, magnitudes, a surface before its points move,
-# triangulations in many dimensions), or the case is too large to print.
-WITHOUT = {
-    "robustness.nan", "robustness.bad_input", "cells.perfect", "curves.count", "curves.linking",
-    "curves.on_surfaces", "curves.covers", "simplices.conforming", "simplices.euler",
-    "simplices.flat", "symmetry.components",
-    *(name for name in CLAIMS if name.split(".")[0] in ("accuracy", "calls", "range")),
-}  # fmt: skip
-# Miniatures whose claim has lines that do not see this fault.
-BLIND = {"non-manifold edge"}
+# Claims of which there are no lines: conventions, of which the page says so in a sentence.
+WITHOUT = {"robustness.nan", "robustness.bad_input"}
 
 
 @pytest.fixture(autouse=True)
@@ -97,7 +93,7 @@ def check(program: str, name: str, reference: str) -> None:
     assert holds(program.replace(call, f"import {reference} as extract")) == (True, ""), program
 
 
-KNOWN = [one for one in BROKEN if one.breaks not in WITHOUT and one.name not in BLIND]
+KNOWN = [one for one in BROKEN if one.breaks not in WITHOUT]
 
 
 @pytest.mark.parametrize("one", KNOWN, ids=[one.name for one in KNOWN])
@@ -183,6 +179,150 @@ def test_sides_are_shown_in_any_dimension(n: int) -> None:
     check(program, "kuhn_without_half", "kuhn")
 
 
+# Faults of which the answer is known by formula: function, claim, case, reference, declaration.
+ORDERS = {one.breaks: (accused.slug(one.name), "WHOLE") for one in ROUGH}
+CURVE = {"limits": {"kinds": [list(CURVES)]}}
+BY_FORMULA = (
+    *(("curves_with_a_speck", "curves.count", case, "curves_right", CURVE) for case in (
+        "curves/two-spheres", "curves/two-cylinders", "curves/two-isovalues",
+        "curves/hydrogen-ring", "curves/hydrogen-axis")),
+    ("curves_of_four_points", "curves.linking", "curves/trefoil", "curves_right", CURVE),
+    ("curves_of_four_points", "curves.linking", "curves/hopf-link", "curves_right", CURVE),
+    ("curves_pulled_inwards", "curves.on_surfaces", "curves/two-spheres", "curves_right", CURVE),
+    ("curves_of_eight_points", "curves.covers", "curves/trefoil", "curves_right", CURVE),
+    ("half_a_curve", "curves.covers", "curves/villarceau", "kuhn",
+     {"interpolant": "kuhn", **CURVE}),
+    ("contour_with_a_speck", "curves.count", "contours/annulus", "contours",
+     {"limits": {"kinds": [list(CONTOURS)]}}),
+    ("contour_with_a_speck", "curves.count", "contours/border", "contours",
+     {"limits": {"kinds": [list(CONTOURS)]}}),
+    ("sections_with_a_bubble", "simplices.euler", "simplices/clifford-torus", "kuhn",
+     {"interpolant": "kuhn", "limits": {"kinds": [[4, 2]]}}),
+    ("torn_curve", "simplices.euler", "simplices/two-circles", "kuhn",
+     {"interpolant": "kuhn", **CURVE}),
+    ("sections_at_means", "simplices.flat", "simplices/flat-3-2", "kuhn",
+     {"interpolant": "kuhn", **CURVE}),
+    ("sections_at_means", "simplices.flat", "simplices/flat-4-2", "kuhn",
+     {"interpolant": "kuhn", "limits": {"kinds": [[4, 2]]}}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "claim", "case", "reference", "says"), BY_FORMULA)
+def test_what_is_known_by_formula_is_shown_by_it(
+    name: str, claim: str, case: str, reference: str, says: dict[str, Any]
+) -> None:
+    """Curves, their links, the surfaces they lie on, manifolds and flat sets."""
+    check(of(name, claim, (case,), **says), name, reference)
+
+
+@pytest.mark.parametrize("claim", ORDERS)
+def test_an_error_that_does_not_shrink_is_shown_on_a_row_of_spheres(claim: str) -> None:
+    """Its order is fitted by the lines."""
+    name, reference = ORDERS[claim]
+    check(of(name, claim, ("accuracy/sphere",)), name, reference)
+
+
+@pytest.mark.parametrize("case", ["accuracy/torus", "accuracy/2-1", "accuracy/3-2"])
+def test_errors_are_shown_of_other_bodies(case: str) -> None:
+    """Of tori, of circles in the plane, and of circles in space."""
+    if case == "accuracy/torus":
+        for claim in ("accuracy.normal", "accuracy.volume"):
+            name = ORDERS[claim][0]
+            check(of(name, claim, (case,)), name, "WHOLE")
+        return
+    kind = {"accuracy/2-1": CONTOURS, "accuracy/3-2": CURVES}[case]
+    says = {"interpolant": "kuhn", "limits": {"kinds": [list(kind)]}}
+    for claim in ("accuracy.position", "accuracy.normal"):
+        check(of("kuhn_at_middles", claim, (case,), **says), "kuhn_at_middles", "kuhn")
+
+
+def test_two_cuts_of_one_face_are_shown() -> None:
+    """The tables of the paper as they were printed, in five dimensions."""
+    says = {"interpolant": "kuhn", "limits": {"kinds": [[5, 3]], "least": 2}}
+    program = of("sections_as_printed", "simplices.conforming", ("simplices/noise-5-3",), **says)
+    check(program, "sections_as_printed", "kuhn")
+
+
+def test_components_that_may_not_change_places_are_shown() -> None:
+    """Where the curve meets the faces of the lattice."""
+    name = "curves_by_the_first_field"
+    check(of(name, "symmetry.components", PAIRS, **CURVE), name, "curves_right")
+
+
+@pytest.mark.parametrize("told", DEGENERATE)
+def test_a_degenerate_surface_is_shown_before_its_points_move(told: str) -> None:
+    """No area, one place, a crossing."""
+    name = accused.slug(told)
+    cases = [all_cases(0)[case] for case in SOME]
+    adapter = Here(getattr(accused, name), declaration_from({}, name))
+    check(lines(adapter, name, "cells.perfect", cases), name, "STARS")
+
+
+@pytest.mark.parametrize(
+    ("name", "claim"), [("with_epsilon", "range.scale"), ("in_half_precision", "range.shift")]
+)
+def test_a_range_is_shown_where_it_ends(name: str, claim: str) -> None:
+    """By the field at the first magnitude, or offset, at which the answer is another."""
+    check(of(name, claim, ("noise/white-5x6x7",)), name, "WHOLE")
+
+
+CALLS = {
+    "buffered": "calls.buffer",
+    "with_globals": "calls.threads",
+    "leaking": "calls.leak",
+    "squaring": "calls.growth",
+    "hoarding": "calls.growth",
+}
+
+
+def ends(program: str) -> tuple[int, str]:
+    """How these lines end in a process of their own, and what they print."""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
+    assert done.returncode in (0, 1)
+    assert done.returncode == 0 or "AssertionError" in done.stderr, done.stderr
+    return done.returncode, done.stdout.strip()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALLS)
+def test_what_calls_do_to_each_other_and_cost_is_shown(name: str) -> None:
+    """In a process of its own: a buffer, a global, a leak, time and memory that are squared."""
+    claim, spec = CALLS[name], f"python:tests.isograde.mistaken:{name}"
+    adapter = PythonAdapter(spec)
+    try:
+        report = graded(adapter, spec, [all_cases(0)["cost/surfaces"]], claim)
+    finally:
+        adapter.close()
+    program = snippet(report, report.summaries[claim])
+    assert program is not None
+    status, told = ends(program)
+    assert status == 1
+    assert told
+    call = f"import {name} as extract"
+    assert call in program
+    assert ends(program.replace(call, "import correct as extract")) == (0, "")
+
+
+@pytest.mark.parametrize("claim", sorted(WITHOUT))
+def test_the_page_says_why_there_are_no_lines(claim: str) -> None:
+    """In a sentence, as where the program is none of Python or the field is too large."""
+    [one] = [one for one in BROKEN if one.breaks == claim]
+    cases = [all_cases(0)[case] for case in SOME[:2]]
+    posed = [replace(case, tags=case.tags | {"posed"}) for case in cases]
+    spec = f"python:tests.isograde.accused:{accused.slug(one.name)}"
+    report = graded(Inside(one), spec, posed, claim)
+    summary = report.summaries[claim]
+    assert summary.failure is not None
+    assert snippet(report, summary) is None
+    assert "convention" in without(report, summary)
+    assert "Without isograde: what it does with such input is a convention" in page(report)
+    foreign = graded(Inside(KNOWN[1]), "exec:./program", posed, KNOWN[1].breaks)
+    summary = foreign.summaries[KNOWN[1].breaks]
+    assert snippet(foreign, summary) is None
+    assert "No lines of Python" in without(foreign, summary)
+
+
 def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> None:
     """No claim is forgotten."""
     run = {one.breaks for one in KNOWN} | set(BODIES) | {"curves.identical", "cells.separate"}
@@ -192,5 +332,13 @@ def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> No
         "simplices.nothing",
         "structure.apart",
         "structure.with_measure",
+        "simplices.conforming",
+        "symmetry.components",
+        "cells.perfect",
+        "range.scale",
+        "range.shift",
+        *ORDERS,
+        *CALLS.values(),
+        *(claim for _, claim, *_ in BY_FORMULA),
     }
     assert set(CLAIMS) - run - WITHOUT == set()

@@ -42,7 +42,7 @@ def _told(trial: Trial, ways: dict[str, tuple[str, tuple[str, ...]]]) -> Finding
     if not len(complex_of(trial).simplices):
         return skipped("the answer is empty")
     numbers: dict[str, str] = {}
-    faults: list[str] = []
+    faults: list[Finding] = []
     asked = 0
     for end, (prefix, words) in ways.items():
         numbers[end], fault, count = _farthest(trial, prefix, words)
@@ -52,10 +52,11 @@ def _told(trial: Trial, ways: dict[str, tuple[str, tuple[str, ...]]]) -> Finding
         return skipped("neither values nor limits allow it")
     if not faults:
         return passed(**numbers)
-    return failed("; ".join(faults), **numbers)
+    told = "; ".join(fault.detail for fault in faults)
+    return failed(told, **numbers, variant=faults[0].numbers["variant"])
 
 
-def _farthest(trial: Trial, prefix: str, words: Iterable[str]) -> tuple[str, str, int]:
+def _farthest(trial: Trial, prefix: str, words: Iterable[str]) -> tuple[str, Finding | None, int]:
     """The last of the words at which the answer is the plain one, a fault if any, how many."""
     last, asked = "1" if prefix == "magnitude/" else "0", 0
     for word in words:
@@ -66,9 +67,9 @@ def _farthest(trial: Trial, prefix: str, words: Iterable[str]) -> tuple[str, str
         variant = variants.variant(prefix + word, trial.kind)
         finding = compared(trial, outcome, variant, same_simplices)
         if finding.verdict is not Verdict.PASS:
-            return last, finding.detail if word in ROOM else "", asked
+            return last, finding if word in ROOM else None, asked
         last = word
-    return last, "", asked
+    return last, None, asked
 
 
 CLAIMS = (

@@ -16,7 +16,7 @@ from isograde.report.lines import JSON
 from isograde.report.oracles import oracles_of
 from isograde.report.picture import SHOWN_BEYOND, picture
 from isograde.report.reading import CONVENTIONS, Report, Summary, findings_of
-from isograde.report.snippet import snippet
+from isograde.report.snippet import snippet, without
 from isograde.report.viewer import turned_case
 
 FAMILIES = {
@@ -143,6 +143,7 @@ def _shown(report: Report, summary: Summary) -> dict[str, Any]:
         "record": record,
         "command": words.reproduce(report, summary),
         "snippet": snippet(report, summary),
+        "without": without(report, summary),
         "turned": turned_case(record, _answers(report, record), _tie(report)),
     }
 

@@ -13,6 +13,8 @@ inside), {kuhn} (whether the cells are split), {wanted} (how an ambiguous face i
 
 from __future__ import annotations
 
+from isograde.report.shows_known import CONFORMING
+
 FACETS = """
 # Facets (ends, edges, ..) with the number of simplices that have each.
 sides = [np.delete(simplices, corner, axis=1) for corner in range(simplices.shape[1])]
@@ -348,6 +350,13 @@ for cell in np.ndindex(*top):
     found, wanted = pieces(cells.get(cell, [])), regions(block, 60) - 1
     if found != wanted:
         wrong.append(f"cell {{cell}} has {{found}} sheets, the trilinear level set {{wanted}}")
+    # A sheet is a surface: two triangles at each of its edges.
+    rows = cells.get(cell, [])
+    edges = Counter(frozenset((row[i], row[i - 1])) for row in rows for i in range(3))
+    for edge, uses in edges.items():
+        if uses > 2:
+            ends = vertices[list(edge)].tolist()
+            wrong.append(f"{{uses}} triangles of cell {{cell}} meet at {{ends}}")
 """
 )
 SCAN = (
@@ -471,6 +480,7 @@ SHOWS = {
     "structure.with_measure": FLAT,
     "simplices.nothing": NOTHING,
     "curves.identical": NOTHING,
+    "simplices.conforming": CONFORMING,
 }
 # Of surfaces, and of contours, with vertices on the edges of the lattice.
 SURFACE_SHOWS = {

@@ -3,21 +3,30 @@
 The lines hold the implementation as its own users call it, the samples, and statements that collect
 what is wrong, print it, and end in an assertion: they fail on the accused, and say nothing where
 the claim holds. What is wrong is looked for in the simplices, so the same lines serve every kind.
-For programs in other languages, and for cases too large to print, there is only the command that
-grades the case again.
+A field that is too large to print is made by its formula, where it has one. Where there are no
+lines, as for programs in other languages, the page says why in a sentence (`without`); there is
+still the command that grades the case again.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from math import factorial
+from collections.abc import Mapping, Sequence
+from math import factorial, prod
 from textwrap import indent
 from typing import Any
 
 import numpy as np
+from scipy.special import stdtrit
 
+from isograde.adapters.worker import MANY
+from isograde.cases import all_cases
+from isograde.cases.accuracy import row
 from isograde.cases.bodies import ISOVALUES
+from isograde.claims import accuracy, calls, curves, simplices
+from isograde.model import Case, Verdict
+from isograde.oracles.apart import MARGIN
+from isograde.report import formulas
 from isograde.report.lines import JSON
 from isograde.report.reading import CONVENTIONS, Report, Summary
 from isograde.report.shows import (
@@ -35,6 +44,24 @@ from isograde.report.shows import (
     SURFACE_SHOWS,
     VERTICES,
     WANTED,
+)
+from isograde.report.shows_known import (
+    BUFFER,
+    COUNT,
+    COVERS,
+    CUT_NORMALS,
+    ERRORS,
+    EULER,
+    FLAT,
+    FLATTENED,
+    LARGER,
+    LEAK,
+    LINKING,
+    ON_SURFACES,
+    ORDERS,
+    PERFECT,
+    SLOWER,
+    THREADS,
 )
 from isograde.variants import symmetry_of
 
@@ -74,6 +101,13 @@ CALL_SEVERAL = """# m fields at once, or one argument for each.
 several = len(signature(extract).parameters) > 3
 given = (*{values}, *{isovalue}) if several else ({values}, {isovalue})
 answer = extract(*given, {spacing})"""
+# The same, for lines that ask about several fields one after another.
+GIVEN = """
+
+def given(values):  # m fields at once, or one argument for each.
+    several = len(signature(extract).parameters) > 3
+    return (*values, *isovalue, spacing) if several else (values, isovalue, spacing)
+"""
 # Two answers that should be one have as many simplices, and the same vertices.
 SHOW_COUNTS = """
 if len(posed_simplices) != len(simplices):
@@ -123,6 +157,18 @@ LAYOUTS = {
     "axis = same.index(0)"
     "\nposed_values = np.broadcast_to(np.take(posed_values, [0], axis), posed_values.shape)",
 }
+SHOW_MEETINGS = """
+# Where the answer meets faces of the lattice of {m} dimensions nothing is left to choose.
+met = []
+for points in (vertices, posed_vertices):
+    places = points / spacing
+    whole = abs(places - places.round()) < 1e-6
+    met.append(points[whole.sum(axis=1) >= {k}])
+for here, there, what in ((*met, "in the plain answer"), (*met[::-1], meaning)):
+    for place in here:
+        if not len(there) or abs(there - place).max(axis=1).min() > 1e-5:
+            wrong.append(f"a vertex at {{place.tolist()}} {{what}} only")
+"""
 SHOW_NOTHING = """
 wrong += [f"{len(posed_simplices)} simplices, {meaning}"] if len(posed_simplices) else []
 """
@@ -171,6 +217,13 @@ IMPORTS = {
     "signature(": "from inspect import signature",
     "Counter(": "from collections import Counter",
     "combinations(": "from itertools import combinations",
+    "permutations(": "from itertools import permutations",
+    "sha256(": "from hashlib import sha256",
+    "Barrier(": "from threading import Barrier",
+    "ThreadPoolExecutor(": "from concurrent.futures import ThreadPoolExecutor",
+    "setswitchinterval(": "from sys import setswitchinterval",
+    "process_time(": "from time import process_time",
+    "map_coordinates(": "from scipy.ndimage import map_coordinates",
     "product(": "from itertools import product",
     "linprog(": "from scipy.optimize import linprog",
     "label(": "from scipy.ndimage import label",
@@ -191,35 +244,202 @@ SAMPLED = {
 }
 
 
+class NoLinesError(Exception):
+    """There are no lines to show a failure by; the text says why, in a sentence."""
+
+
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
-    record = report.evidence.get(summary.id)
+    try:
+        return _program(report, summary)
+    except NoLinesError:
+        return None
+
+
+def without(report: Report, summary: Summary) -> str:
+    """Why there are no lines to show the claim's failure by; nothing where there are."""
+    try:
+        _program(report, summary)
+    except NoLinesError as reason:
+        return str(reason)
+    return ""
+
+
+def _program(report: Report, summary: Summary) -> str:
+    """The lines that show the claim's smallest failed case; raises `NoLinesError`."""
     call = calling(report.spec, report.declaration.get("given", "samples"))
-    if summary.id in CONVENTIONS or call is None:
-        return None  # There an error is right, or none is, as it is declared.
+    if summary.id in CONVENTIONS:
+        raise NoLinesError(
+            "What it does with such input is a convention, measured and shown, which never changes "
+            "the exit status; so there are no lines that call it wrong."
+        )
+    if call is None:
+        raise NoLinesError("No lines of Python call this implementation; the command above does.")
+    record = report.evidence.get(summary.id)
+    if record is not None and record["finding"]["verdict"] in ENDS:
+        ended = record["finding"]["verdict"]
+        raise NoLinesError(
+            f"Lines that ask this would end as the call did ({ended}); the command asks "
+            "in a process of its own."
+        )
     if summary.id in BODIES:
         return _of_body(report, summary, call.strip())
-    if record is None or not 0 < len(record["values"]) <= PRINTED:
-        return None
-    if len(record.get("posed", {}).get("values", [])) > 2 * PRINTED:
-        return None
+    if summary.id in KNOWN or summary.id.startswith(("accuracy.", "calls.")):
+        return _of_formula(report, summary, call.strip())
+    return _of_samples(report, summary, call.strip())
+
+
+# How a call may end that lines of Python would not survive, or would wait for.
+ENDS = (Verdict.CRASH.value, Verdict.TIMEOUT.value)
+
+
+def _of_samples(report: Report, summary: Summary, call: str) -> str:
+    """The program that prints the samples, extracts and looks for what is wrong."""
+    record = report.evidence.get(summary.id)
+    if record is None:
+        raise NoLinesError("The case was not kept; the command above makes it again.")
+    posed = record.get("posed", {})
+    if summary.id == "cells.perfect" and posed.get("values"):
+        # The levelled field is judged by itself.
+        record = {**posed, "finding": record["finding"], "kind": record["kind"]}
+        posed = {}
+    _check_size(record, posed)
     n, m = record["kind"]
     house = _house(report.declaration)
     lines = [ANSWER, ""]
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
     lines.append(_samples(record, m))
-    if summary.id in ON_CALL:
-        return _on_call(record, summary, call.strip(), lines)
+    if summary.id in ON_CALL or _raised(posed):
+        return _on_call(record, summary, call, lines)
     shown = _shows(report, record, summary, house)
     if shown is None:
-        return None
+        raise NoLinesError(
+            "What this claim asks of this family takes more than a few lines to show."
+        )
     lines += [_asked(n, m), *_some(house.format(prefix=""))]
     if any("border" in line for line in shown):
         lines.append(_ends(report.declaration, record["shape"]))
     if any("inset" in line for line in shown):
         lines.append(f"inset = np.array({_insets(report.declaration, n)})")
-    return _whole(call.strip(), [*lines, *shown])
+    return _whole(call, [*lines, *shown])
+
+
+def _check_size(record: JSON, posed: JSON) -> None:
+    """Raise `NoLinesError` where there are too many samples to print."""
+    count = prod(record["shape"]) * record["kind"][1]
+    if not 0 < len(record["values"]) <= PRINTED or len(posed.get("values", [])) > 2 * PRINTED:
+        raise NoLinesError(
+            f"The smallest case found has {count:,} samples, too many to print; the command above "
+            "makes it again."
+        )
+
+
+def _raised(posed: JSON) -> bool:
+    """Whether the other way to pose the case ended in an error."""
+    return bool(posed.get("values")) and posed["came"].get("status") == "raised"
+
+
+# --- fields that are known by formula ------------------------------------------------------------
+
+# Claims whose cases are known by formula, beside those on accuracy and on calls.
+KNOWN = {
+    "curves.count": COUNT,
+    "curves.linking": LINKING,
+    "curves.on_surfaces": ON_SURFACES,
+    "curves.covers": COVERS,
+    "simplices.euler": EULER,
+    "simplices.flat": FLAT,
+}
+
+
+def _of_formula(report: Report, summary: Summary, call: str) -> str:
+    """The program that makes a known field and compares what came of it with what is known."""
+    failure = summary.failure
+    name = "" if failure is None else failure.of or failure.case
+    seed = report.header["seed"]
+    case = all_cases(seed).get(name)
+    made = None if case is None else formulas.of_case(case, seed)
+    if failure is None or case is None or made is None:
+        raise NoLinesError("The field of this case is not made by a formula of a few lines.")
+    n, m = case.kind
+    rule = ascii(str(summary.claim["rule"]))
+    begun = [ANSWER, made.rstrip()]
+    if summary.id.startswith("calls."):
+        shown = _on_calls(summary.id, case, failure.numbers)
+        begun += [GIVEN.rstrip()] if m > 1 else []
+    else:
+        begun += [_asked(n, m), *_some(_house(report.declaration).format(prefix=""))]
+        shown = f"\nwrong = []{_of_known(report, summary.id, case, failure.numbers)}"
+    return _whole(call, [*begun, shown.rstrip() + ENDED.format(rule=rule).rstrip()])
+
+
+def _of_known(report: Report, claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
+    """The lines that compare an answer with what is known of this case."""
+    family, _, name = claim.partition(".")
+    if family == "accuracy":
+        return _of_order(name, case, numbers)
+    facts, text = case.facts, KNOWN[claim]
+    if claim == "curves.count":
+        return text.format(expected=(facts["closed"], facts["open"]))
+    if claim == "simplices.euler":
+        return text.format(expected=(facts["manifold"].euler, facts["manifold"].pieces))
+    if claim == "simplices.flat":
+        soup = report.declaration["mesh"]
+        slack = 0.0 if soup == "indexed" else float(soup["soup"])
+        allowed = simplices.ROUNDING * max(case.build().shape) + slack
+        return text.format(n=case.kind.n, allowed=allowed)
+    known, h = facts["curves"], max(case.build().spacing)
+    bounds = tuple(bend * h**2 / 2 + curves.ROUNDING for bend in known.bend(h))
+    return text.format(
+        links=list(known.links),
+        determinants=list(known.determinants),
+        bounds=bounds,
+        cells=1 if known.transversal else curves.TOUCHING,
+    )
+
+
+def _of_order(name: str, case: Case, numbers: Mapping[str, Any]) -> str:
+    """The lines that measure an error at several sizes and fit its order."""
+    bodies, _ = row(case.facts["row"])
+    n, cut = case.kind.n, bool(bodies[0].across)
+    what, error = ERRORS[name]
+    filled = error.format(
+        n=n,
+        factorial=factorial(n),
+        known=np.array(formulas.measures(bodies).get(name, [])).tolist(),
+        flattened=FLATTENED[cut],
+        across=CUT_NORMALS if cut else "",
+    )
+    return ORDERS.format(
+        what=what[0].upper() + what[1:],
+        error=filled,
+        factorial_k=factorial(case.kind.k),
+        student=round(float(stdtrit(len(bodies) - 2, 0.975)), 6),
+        formal=numbers["formal"],
+        slack=accuracy.SLACK,
+    )
+
+
+def _on_calls(claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
+    """The lines that ask several times, and look at what the calls do to each other or cost."""
+    n, m = case.kind
+    text = {"calls.buffer": BUFFER, "calls.threads": THREADS, "calls.leak": LEAK}.get(claim)
+    times = 2**n
+    if claim == "calls.growth":
+        if "seconds" not in numbers:
+            raise NoLinesError(
+                "The larger field ran out of time, and lines would wait for it as long."
+            )
+        allowed = max(calls.SECONDS, calls.WORSE * times * numbers["seconds"])
+        text = SLOWER if numbers["seconds_larger"] > allowed else LARGER
+    assert text is not None, claim
+    one = "{0}, isovalue[0], spacing" if m == 1 else "*given({0})"
+    return text.format(
+        values=one.format("values"), other=one.format("other"), n=n, k=n - m, times=times,
+        share=calls.WORSE * times, seconds=calls.SECONDS, bytes=calls.BYTES, calls=MANY,
+        least=calls.LEAK,
+    )  # fmt: skip
 
 
 def _whole(call: str, lines: list[str]) -> str:
@@ -229,30 +449,32 @@ def _whole(call: str, lines: list[str]) -> str:
     return "\n".join([*_begun(call, needed), "", body]) + "\n"
 
 
-def _on_call(record: JSON, summary: Summary, call: str, lines: list[str]) -> str | None:
+def _on_call(record: JSON, summary: Summary, call: str, lines: list[str]) -> str:
     """The program that asks once and looks at what the call itself does."""
     n, m = record["kind"]
-    if record["finding"]["verdict"] in ("crash", "timeout") or m > 1:
-        return None
+    if m > 1:
+        raise NoLinesError(
+            "What a call itself does is shown of one field only, and here are several."
+        )
     # A claim on all calls is shown on the variant that it names.
     values, posed = "values, isovalue[0], spacing", record.get("posed")
     if posed is not None:
         if not posed["values"]:
-            return None
+            raise NoLinesError("The samples of this variant are too many to print, or none.")
         lines = [*lines[:-1], _samples(posed, m)]
-    text = ON_CALL[summary.id].format(values=values, n=n, k=n - m)
+    text = ON_CALL.get(summary.id, ANSWERS).format(values=values, n=n, k=n - m)
     ended = ENDED.format(rule=ascii(str(summary.claim["rule"]))).rstrip()
     return _whole(call, [*lines, text.rstrip() + ended])
 
 
-def _of_body(report: Report, summary: Summary, call: str) -> str | None:
+def _of_body(report: Report, summary: Summary, call: str) -> str:
     """The program that makes a sphere or a circle, extracts it and measures what came."""
     failure = summary.failure
     found = None if failure is None else BODY_NAME.fullmatch(failure.case)
-    if failure is None or found is None or report.declaration["mesh"] != "indexed":
-        return None
-    from isograde.cases import all_cases
-
+    if failure is None or found is None:
+        raise NoLinesError("The field of this body is not made by a formula of one line.")
+    if report.declaration["mesh"] != "indexed":
+        raise NoLinesError("Of a soup the numbers of a body take more than a few lines.")
     body = all_cases(report.header["seed"])[failure.case].facts["body"]
     n, kind = body.n, found["type"]
     depth = "(radius - np.linalg.norm(places - centre, axis=-1))"
@@ -373,7 +595,7 @@ def _shows(report: Report, record: JSON, summary: Summary, house: str) -> list[s
 
 
 # Families of claims that compare the answers to two ways to pose a case.
-COMPARED = ("symmetry", "robustness")
+COMPARED = ("symmetry", "robustness", "range")
 
 
 def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
@@ -384,7 +606,9 @@ def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
     ends = {end["end"] for end in declaration["domain"]}
     edges, whole = vertices == "edges", all(end["inset"] == 0 for end in declaration["domain"])
     text = SHOWS.get(claim)
-    if claim == "topology.manifold" and "vertices" in numbers:
+    if claim == "cells.perfect":
+        text = PERFECT.format(margin=MARGIN).replace("{", "{{").replace("}", "}}") + CROSSING
+    elif claim == "topology.manifold" and "vertices" in numbers:
         text = SHEETS
     elif claim == "topology.raw":
         told = [name for name, count in numbers.items() if count]
@@ -435,6 +659,8 @@ def _compared(posed: JSON, n: int, m: int) -> str | None:
         return moved + SHOW_SEGMENTS.format(least=0)
     if name in ("above", "below", "infinite"):
         return SHOW_NOTHING
+    if name == "components":
+        return SHOW_MEETINGS.format(m=m, k=n - m)
     if name == "spacing":
         return BACK_SPACING + SHOW_PLACES + segments
     if name.startswith("symmetry/"):
