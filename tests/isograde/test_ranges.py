@@ -68,7 +68,38 @@ def test_half_precision_loses_the_answer_on_an_offset() -> None:
     assert found.numbers == {"offset": "0", "variant": "offset/2^10"}
 
 
-@pytest.mark.parametrize("name", ["range.scale", "range.shift"])
+def test_digits_of_doubles_are_kept_or_not() -> None:
+    """Of "range.digits": single precision has none left a million times the range away."""
+    assert measured(mistaken.correct, "range.digits").verdict is Verdict.PASS
+    single = measured(mistaken.in_single_precision, "range.digits")
+    assert single.verdict is Verdict.FAIL
+    assert "2^20" in single.detail
+
+
+def test_samples_of_1e300_beside_ordinary_ones_are_borne_or_not() -> None:
+    """Of "range.extremes": a square of one, or single precision, is infinite."""
+
+    def squares(values: Any, isovalue: float, spacing: Any) -> Any:
+        away = np.asarray(values, np.float64) - isovalue
+        with np.errstate(over="ignore"):
+            return mistaken.correct(np.nan_to_num(np.sign(away) * away**2), 0.0, spacing)
+
+    def overflowing(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mistaken.correct(values, isovalue, spacing)
+        return (vertices if np.abs(values).max() < 1e200 else vertices * np.nan), faces
+
+    def torn(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mistaken.correct(values, isovalue, spacing)
+        return vertices, faces if np.abs(values).max() < 1e200 else faces[1:]
+
+    assert measured(mistaken.correct, "range.extremes").verdict is Verdict.PASS
+    # Crossings move, and neither tear nor come to stand on another side.
+    assert measured(squares, "range.extremes").verdict is Verdict.PASS
+    assert measured(overflowing, "range.extremes").verdict is Verdict.FAIL
+    assert measured(torn, "range.extremes").verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize("name", ["range.scale", "range.shift", "range.digits", "range.extremes"])
 def test_nobody_need_promise_a_range(name: str) -> None:
     """A matter of degree, beside the ladder."""
     from isograde.claims import CLAIMS

@@ -42,6 +42,10 @@ BY_TEST = {
     "topology.scan": "test_scan",
     "range.scale": "test_ranges",
     "range.shift": "test_ranges",
+    "range.digits": "test_ranges",
+    "range.extremes": "test_ranges",
+    "robustness.elsewhere": "test_robustness",
+    "topology.tie_side": "test_topology",
     **dict.fromkeys(test_claims_calls.CLAIMS, "test_claims_calls"),
 }
 

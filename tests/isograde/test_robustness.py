@@ -79,3 +79,37 @@ def test_out_of_range_gives_nothing_but_a_capped_box_below() -> None:
     assert verdict(cubes, Declaration("cubes"), "out_of_range") is Verdict.PASS
     assert verdict(box, capped, "out_of_range") is Verdict.PASS
     assert verdict(box, Declaration("box"), "out_of_range") is Verdict.FAIL
+
+
+def test_a_sample_that_is_no_number_changes_nothing_elsewhere() -> None:
+    """Of "robustness.elsewhere": whatever stands for it; vertices that are no numbers beside it."""
+    asked = [all_cases()["noise/white-5x6x7"]]
+
+    def verdict_of(function: Any) -> Verdict:
+        found = verdicts(function, Declaration("one"), asked, "robustness.elsewhere")
+        (only,) = found["robustness.elsewhere"]
+        return only
+
+    def filled(values: Any, isovalue: float, spacing: Any) -> Any:
+        return cubes(np.nan_to_num(values, nan=-1.0, posinf=1e9), isovalue, spacing)
+
+    def with_holes(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = filled(values, isovalue, spacing)
+        where = np.argwhere(~np.isfinite(values))
+        for place in where:
+            vertices[(np.abs(vertices / spacing - place) <= 1).all(axis=1)] = np.nan
+        return vertices, faces
+
+    def normalised(values: Any, isovalue: float, spacing: Any) -> Any:
+        with np.errstate(invalid="ignore"):
+            away = (values - isovalue) / np.abs(values - isovalue).max()
+        return filled(away, 0.0, spacing)
+
+    def nothing(values: Any, isovalue: float, spacing: Any) -> Any:
+        if not np.isfinite(values).all():
+            return np.empty((0, 3)), np.empty((0, 3), np.int64)
+        return cubes(values, isovalue, spacing)
+
+    assert verdict_of(cubes) is Verdict.SKIP, "it refuses both"
+    assert verdict_of(filled) is verdict_of(with_holes) is Verdict.PASS
+    assert verdict_of(normalised) is verdict_of(nothing) is Verdict.FAIL

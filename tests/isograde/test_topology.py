@@ -222,3 +222,28 @@ def test_two_sheets_in_a_vertex_are_no_manifold_unless_the_sample_is_tied() -> N
     found = judged("manifold", trial(field, pinched, rows))
     assert found.verdict is Verdict.FAIL
     assert "several sheets meet" in found.detail
+
+
+@pytest.mark.parametrize("high", [False, True], ids=["low", "high"])
+@pytest.mark.parametrize("counts", ["inside", "outside"])
+def test_a_block_of_ties_is_on_the_declared_side(counts: str, high: bool) -> None:
+    """A body among low samples if ties are inside, among high ones if outside."""
+    values = np.full((4, 4, 4), 1.0 if high else -1.0)
+    values[1:3, 1:3, 1:3] = 0
+    nudged = np.where(values == 0, 1e-9 if counts == "inside" else -1e-9, values)
+    mesh = METHODS["asymptotic-decider"](Field.of(nudged), 0.0)
+    for said in ("inside", "outside"):
+        declared = Declaration("", conventions=Conventions(tie=said))
+        found = judged("tie_side", trial(Field.of(values), mesh.vertices, mesh.simplices, declared))
+        assert found.verdict is (Verdict.PASS if said == counts else Verdict.FAIL)
+        assert (f'"tie": "{counts}"' in found.detail) == (said != counts)
+
+
+def test_one_tied_sample_does_not_tell_its_side() -> None:
+    """Its surface has no area, and such triangles may be left out; nor do ties on both sides."""
+    values = np.full((5, 5, 5), -1.0)
+    values[2, 2, 2] = 0
+    one = judged("tie_side", trial(*cubes(values)))
+    values[1:3, 1:3, 1:3], values[4, 4, 4] = 0, 1
+    both = judged("tie_side", trial(*cubes(values)))
+    assert one.verdict is both.verdict is Verdict.SKIP

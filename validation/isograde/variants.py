@@ -78,7 +78,7 @@ def is_bad_input(name: str) -> bool:
     return name in BAD_INPUT
 
 
-BAD_INPUT = ("rank", "no-samples", "isovalue-nan", "nan")
+BAD_INPUT = ("rank", "no-samples", "isovalue-nan", "nan", "infinity")
 
 
 @cache
@@ -300,6 +300,31 @@ def _nan(field: Field, isovalues: Isovalues) -> Posed:
     return _values(field, values), isovalues
 
 
+def _infinity(field: Field, isovalues: Isovalues) -> Posed:
+    """One sample is infinite."""
+    values = _floats(field.values).copy()
+    values[tuple(n // 2 for n in values.shape)] = np.inf
+    return _values(field, values), isovalues
+
+
+def _extremes(field: Field, isovalues: Isovalues) -> Posed:
+    """Blocks of 2 x 2 x .. samples some 1e300 from the isovalue, now 0, among others as they are.
+
+    Every third block is one, so that there are edges and faces of extremes alone, on which
+    differences are finite in double precision, and products of two are not.
+    """
+    blocks = np.sum([axis // 2 for axis in np.indices(field.shape)], axis=0) % 3 == 0
+    parts = []
+    for part, level in zip(_parts(field), isovalues, strict=True):
+        away = part.astype(np.float64) - level
+        with np.errstate(over="ignore"):
+            moved = np.where(blocks, np.ldexp(away, MAGNITUDES["1e+300"]), away)
+        if not (np.abs(moved) < 2.0**1022).all():
+            return None
+        parts.append(moved)
+    return _values(field, _as_given(field, np.stack(parts))), (0.0,) * len(isovalues)
+
+
 def _beyond(direction: int) -> Callable[[Field, Isovalues], Posed]:
     """An isovalue of the first component above every sample, or below."""
 
@@ -469,6 +494,8 @@ SIMPLE: tuple[Variant, ...] = (
     Variant("larger", "twice as large along each axis, timed", _larger, calls="timed"),
     Variant("infinite", "an infinite isovalue", _infinite),
     Variant("nan", "the middle sample is not a number", _nan),
+    Variant("infinity", "the middle sample is infinite", _infinity),
+    Variant("extremes", "every third block of samples 1e300 from the isovalue", _extremes),
     Variant("above", "an isovalue above every sample", _beyond(1)),
     Variant("below", "an isovalue below every sample", _beyond(-1)),
     Variant("rank", "one axis less", _flat),

@@ -217,7 +217,7 @@ class StepsWithoutSign(Engine):
         return super().read(samples[turned])
 
 
-@blind("symmetry.shift")
+@blind("range.digits", promised=["range.digits"])
 class SinglePrecisionSamples(Engine):
     """Samples are converted to single precision before the isovalue is subtracted."""
 
@@ -574,7 +574,7 @@ class ShapesExchanged(Engine):
         return np.asarray((i * shape[0] + j) * shape[1] + k)
 
 
-@blind("geometry.vertices", GITHUB + "seung-lab/zmesh/issues/4")
+@blind("topology.closed", GITHUB + "seung-lab/zmesh/issues/4")
 class NineBits(Engine):
     """Names keep nine bits an axis: beyond 512 samples they repeat."""
 
@@ -596,7 +596,7 @@ class SixteenBits(Engine):
         return made, rows.astype(np.uint16)
 
 
-@blind("geometry.crossing")
+@blind("structure.no_repeated_index")
 class SixteenMillion(Engine):
     """Names of edges pass through single precision: beyond 2^24 neighbours share one."""
 

@@ -259,7 +259,7 @@ class FacesByLayout(AnyFaces):
         return every_ambiguous(signs) * int(not self.fortran)
 
 
-@fault("topology.sides")
+@fault("topology.tie_side")
 class EqualIsOutside(Engine):
     """A sample on the isovalue counts as outside, and the other side is declared by default."""
 
@@ -268,7 +268,7 @@ class EqualIsOutside(Engine):
         return np.asarray(relative > 0)
 
 
-@fault("topology.sides")
+@fault("range.digits", promised=["range.digits"])
 class RoundedComparison(Engine):
     """Samples are compared in single precision, so two that differ in the ninth digit are equal."""
 
@@ -556,7 +556,7 @@ class HashOfTwoEnds(Engine):
         return np.asarray(a + b)
 
 
-@fault("geometry.vertices", GITHUB + "vengi-voxel/vengi/pull/795")
+@fault("topology.closed", GITHUB + "vengi-voxel/vengi/pull/795")
 class ShortIndices(Engine):
     """Samples are numbered in 16 bits: from the 65,537th on their names repeat."""
 
@@ -815,6 +815,30 @@ class NanIsZero(Engine):
     def read(self, values: Any) -> Array:
         """The samples, holes filled with zeros."""
         return super().read(np.nan_to_num(values))
+
+
+@fault("robustness.elsewhere", promised=["robustness.elsewhere"])
+class Normalised(Engine):
+    """Values are divided by their range first, so that one that is no number spoils them all."""
+
+    def read(self, values: Any) -> Array:
+        """The samples, unchecked."""
+        return np.ascontiguousarray(values)
+
+    def relative(self, samples: Array, alpha: float) -> Array:
+        """Samples minus the isovalue, over the largest of them."""
+        away = super().relative(samples, alpha)
+        return np.asarray(away / np.abs(away).max())
+
+
+@fault("range.extremes", promised=["range.extremes"])
+class SingleDifferences(Engine):
+    """Differences are kept in single precision, where 1e300 becomes infinite."""
+
+    def relative(self, samples: Array, alpha: float) -> Array:
+        """Samples minus the isovalue, rounded."""
+        with np.errstate(over="ignore"):
+            return super().relative(samples, alpha).astype(np.float32).astype(np.float64)
 
 
 @fault("accuracy.normal", level=1, not_promised=["accuracy.position", "accuracy.distance"])

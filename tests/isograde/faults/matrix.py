@@ -132,14 +132,19 @@ def report() -> None:
     assert set(survivors) == set(SURVIVORS), "caught.json and SURVIVORS do not fit each other"
     blind_ones = [one for one in FAULTS.values() if one.blind]
     whole = [line for line in done.values() if line["failed"]]
+    told = (
+        f"{len(shown)} are caught by the default plan, {len(survivors)} were not, on the special, "
+        f"noise and long cases on which they were tried: {', '.join(survivors)}."
+        if survivors
+        else "All of them are caught by the default plan."
+    )
     text = [
         "# Faults, and the claims that catch them",
         "",
         f"{len(FAULTS)} extractors are broken on purpose (`tests/isograde/faults`), "
         f"{len(blind_ones)} of them written from the README and `isograde explain` alone, "
         f"{sum(bool(one.report) for one in FAULTS.values())} after a public report. "
-        f"**{len(shown)} are caught by the default plan, {len(survivors)} were not, "
-        f"on the special, noise and long cases on which they were tried: {', '.join(survivors)}.**",
+        f"**{told}**",
         "",
         "`first` is the claim that must catch it: on the case named beside it no lower promise is "
         "broken. The suite judges that case again for every fault. The last column comes from the "
@@ -156,9 +161,10 @@ def report() -> None:
         blind_mark = " (blind)" if fault.blind else ""
         row = [f"{name}{blind_mark}", said, found["claim"], found["case"], _told(fault, line)]
         text.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
-    text += ["", "## Survivors", "", "| fault | what is wrong | what would catch it |"]
-    text += ["| --- | --- | --- |"]
-    text += [f"| {name} | {FAULTS[name].says} | {why} |" for name, why in SURVIVORS.items()]
+    if survivors:
+        text += ["", "## Survivors", "", "| fault | what is wrong | what would catch it |"]
+        text += ["| --- | --- | --- |"]
+        text += [f"| {name} | {FAULTS[name].says} | {why} |" for name, why in SURVIVORS.items()]
     REPORT.parent.mkdir(parents=True, exist_ok=True)
     REPORT.write_text("\n".join(text) + "\n", encoding="utf-8")
     print(f"{len(shown)} of {len(FAULTS)} caught, {len(done)} on the whole plan: {REPORT.name}")

@@ -37,20 +37,7 @@ class Fault:
 FAULTS: dict[str, Fault] = {}
 
 #: Those that no case of the default plan was seen to catch, and what would.
-SURVIVORS = {
-    "single-precision-samples": "by design: digits lost on an offset are a degree, no fault "
-    "(range.shift); a float64 field whose differences are below single precision would show it",
-    "rounded-comparison": "the same: samples that differ from the isovalue by less than single "
-    "precision holds, in general position",
-    "equal-is-outside": "the side on which a tied sample counts is excused, though declared; "
-    "a claim on conventions would tell, as `isograde check` does for others",
-    "zero-is-halfway": "an edge with a tied end is excused from the claim on crossings: the "
-    "crossing could be asked to stand at the tied end",
-    "nine-bits": "shapes/long-* are crossed at 0 to 5 and from 65,593 on; noise from 65,536 on "
-    "would meet the names of the near end",
-    "short-indices": "the same: samples 65,536 apart in the flat index, both at a crossing",
-    "sixteen-million": "names beyond 2^24 are in the full plan only, as issue 13 has it",
-}
+SURVIVORS: dict[str, str] = {}
 
 
 def kebab(name: str) -> str:

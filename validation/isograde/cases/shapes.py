@@ -10,6 +10,7 @@ Glossary
 thin    an axis of one, two or three samples, each axis in turn
 mixed   three different lengths in every order
 long    an axis beyond 65,536 samples, with noise at both its ends; nothing between
+deep    noise in the last samples of a field whose lattice edges have numbers beyond 2 ** 24
 many    more than 65,536 vertices
 specks  343 pieces, each round one sample
 """
@@ -38,10 +39,14 @@ def _orders(*lengths: Shape) -> tuple[Shape, ...]:
 THIN = _orders((1, 4, 5), (2, 4, 5), (3, 4, 5), (2, 9, 9), (1, 9, 9), (1, 1, 6), (2, 2, 7))
 MIXED = _orders((3, 5, 17), (4, 9, 33), (2, 7, 65), (6, 8, 11), (3, 16, 20), (5, 10, 13))
 CHEAP = ("structure.*", "topology.closed", "topology.oriented", "topology.sides")
-LONG = 65_600
+ENDS = 6
+# The last layers have the numbers of the first, modulo 2 ** 16 and every smaller power of two.
+LONG = 2**16 + ENDS
+# Three times the number of the last samples is beyond 2 ** 24, and there are few cells.
+DEEP = (2, 1676, 1676)
+PATCH = 12
 MANY = (36, 38, 40)
 HUGE = (226, 226, 226)
-ENDS = 6
 
 
 def gentle(name: str, seed: int, shape: tuple[int, ...]) -> Floats:
@@ -56,6 +61,15 @@ def long(name: str, seed: int, axis: int) -> Field:
     values[:ENDS] = gentle(name, seed, (ENDS, 4, 4))
     values[-ENDS:] = gentle(f"{name}/end", seed, (ENDS, 4, 4))
     return Field.of(np.ascontiguousarray(np.moveaxis(values, 0, axis)))
+
+
+def deep(name: str, seed: int) -> Field:
+    """Low samples, with a patch of noise in the far corner."""
+    values, patch = np.full(DEEP, -1, np.int8), (2, PATCH, PATCH)
+    size = integers(name, seed, patch, 64, 128)
+    noise = np.where(integers(f"{name}/side", seed, patch, 0, 2), size, -size)
+    values[:, -PATCH:, -PATCH:] = noise
+    return Field.of(values)
 
 
 def many(name: str, seed: int, shape: Shape) -> Field:
@@ -77,6 +91,7 @@ def cases(seed: int = 0) -> list[Case]:
     for axis in range(3):
         name = f"shapes/long-{axis}"
         made.append(_large(name, partial(long, name, seed, axis), 0.0, LONG * 16))
+    made.append(_deep("shapes/deep", seed))
     name = "shapes/many"
     made.append(_large(name, partial(many, name, seed, MANY), 0.5, int(np.prod(MANY))))
     name = "shapes/huge"
@@ -97,6 +112,13 @@ def _noise(name: str, seed: int, shape: Shape) -> Case:
     """White noise of this shape."""
     build = partial(white, name, seed, shape)
     return Case(name, build, (0.0,), int(np.prod(shape)), frozenset({"shapes"}), only=CHEAP)
+
+
+def _deep(name: str, seed: int) -> Case:
+    """The case of large numbers, of which only the mesh is judged: its field is costly to walk."""
+    only = tuple(claim for claim in CHEAP if claim != "topology.sides")
+    tags = frozenset({"shapes", "large"})
+    return Case(name, partial(deep, name, seed), (0.0,), int(np.prod(DEEP)), tags, only=only)
 
 
 def _large(name: str, build: partial[Field], isovalue: float, samples: int, *tags: str) -> Case:

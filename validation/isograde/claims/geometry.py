@@ -211,9 +211,11 @@ def crossing(trial: Trial) -> Finding:
         size = np.maximum(np.maximum(np.abs(a), np.abs(b)), abs(lattice.isovalue))
         slack = lattice.tolerance + 8 * SINGLE * size / np.abs(b - a)
     error, at = np.abs(found - share), low + found[:, None] * (high - low)
-    # Inner vertices of a cell with tied corners may come to stand on one of its edges.
+    # Inner vertices of a cell with tied corners may come to stand on one of its edges: not on a
+    # crossed one with an end on the isovalue, for whatever crosses it does so in that end.
     bad = np.flatnonzero(error > slack)
-    bad = bad[~lattice.beside_tie(np.asarray(at[bad], np.float64))]
+    ended = (a[bad] == lattice.isovalue) | (b[bad] == lattice.isovalue)
+    bad = bad[ended | ~lattice.beside_tie(np.asarray(at[bad], np.float64))]
     numbers = {"vertices": len(found), "largest_error": float(error.max())}
     if not len(bad):
         return passed(**numbers)

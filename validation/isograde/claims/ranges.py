@@ -5,16 +5,20 @@ size (`isograde.claims.symmetry`). How much farther it stays is a matter of degr
 calculates in single precision must overflow somewhere, and one with an absolute tolerance changes
 its answer much sooner. So values are multiplied by powers of two from 1e-300 to 1e300, moved by up
 to a million times their range, without a digit being lost, and it is said how far the answer went.
-What fails is an answer that changes within what single precision has room for: values a thousand
-million times as small or as large, and a thousand times their range away from zero.
+What fails of `range.scale` and `range.shift` is an answer that changes within what single precision
+has room for: values a thousand million times as small or as large, and a thousand times their range
+away from zero. Who keeps the digits of doubles, or bears samples of 1e300 beside ordinary ones, can
+promise that as well: `range.digits`, `range.extremes`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from isograde import variants
-from isograde.claims.evidence import complex_of, failed, on_mesh, passed, skipped
+from isograde.claims import topology
+from isograde.claims.evidence import VERDICT_OF, complex_of, failed, on_mesh, passed, skipped
 from isograde.claims.symmetry import compared, same_simplices
 from isograde.model import Claim, Finding, Status, Trial, Verdict
 
@@ -25,6 +29,8 @@ MORE = tuple(word for word in variants.MAGNITUDES if word[2] == "+")
 
 # The answer must not change up to here; beyond, how far it stays is told.
 ROOM = ("2^-10", "2^-20", "2^-30", "2^+10", "2^+20", "2^+30", "2^10")
+# Offsets at which single precision has at most a few digits left of the range, and doubles all.
+BEYOND = tuple(word for word in variants.OFFSETS if word not in ROOM)
 
 
 def scale(trial: Trial) -> Finding:
@@ -35,6 +41,50 @@ def scale(trial: Trial) -> Finding:
 def shift(trial: Trial) -> Finding:
     """Pass when the answer is the same 2^10 times the range away; how far it stays is measured."""
     return _told(trial, {"offset": ("offset/", tuple(variants.OFFSETS))})
+
+
+def digits(trial: Trial) -> Finding:
+    """Pass when the answer is the same where single precision has no digits left for the range."""
+    if not len(complex_of(trial).simplices):
+        return skipped("the answer is empty")
+    asked = 0
+    for word in BEYOND:
+        outcome = trial.outcomes.get(f"offset/{word}")
+        if outcome is None or outcome.status is Status.DECLINED:
+            continue
+        asked += 1
+        variant = variants.variant(f"offset/{word}", trial.kind)
+        finding = compared(trial, outcome, variant, same_simplices)
+        if finding.verdict is not Verdict.PASS:
+            return finding
+    return passed(offsets=asked) if asked else skipped("neither values nor limits allow it")
+
+
+def extremes(trial: Trial) -> Finding:
+    """Pass when the mesh is closed and on the right side of samples, some of them of 1e300."""
+    outcome = trial.outcomes.get("extremes")
+    if outcome is None or outcome.status is Status.DECLINED:
+        return skipped("neither values nor limits allow it")
+    if outcome.status is not Status.OK:
+        return Finding(VERDICT_OF[outcome.status], outcome.detail, {"variant": "extremes"})
+    posed = variants.pose("extremes", trial.case, trial.field)
+    assert posed is not None, "a variant that was asked was posed"
+    field, isovalues = posed
+    case = replace(trial.case, isovalues=isovalues)
+    if outcome.mesh_of(trial.kind) is None:
+        told = "extremes: what came is no mesh of finite coordinates"
+        return failed(told, variant="extremes")
+    large = Trial(case, field, trial.declaration, {"plain": outcome})
+    judges = (
+        (topology.closed, topology.sides) if topology.has_facets(trial.kind) else (topology.sides,)
+    )
+    passes = 0
+    for judge in judges:
+        finding = judge(large)
+        if finding.verdict is Verdict.FAIL:
+            return failed(f"extremes: {finding.detail}", variant="extremes")
+        passes += finding.verdict is Verdict.PASS
+    return passed(held=passes) if passes else skipped("nothing could be judged")
 
 
 def _told(trial: Trial, ways: dict[str, tuple[str, tuple[str, ...]]]) -> Finding:
@@ -93,6 +143,28 @@ CLAIMS = (
         on_mesh(shift),
         tags=frozenset({"ranges"}),
         variants=("offset/",),
+        promised=False,
+    ),
+    Claim(
+        "range.digits",
+        "Values and isovalue moved by a million times their range, which doubles hold without "
+        "losing a digit and single precision does not, give the same mesh.",
+        DESIGN,
+        None,
+        on_mesh(digits),
+        tags=frozenset({"ranges"}),
+        variants=tuple(f"offset/{word}" for word in BEYOND),
+        promised=False,
+    ),
+    Claim(
+        "range.extremes",
+        "Where samples of 1e300 stand beside ordinary ones, either side of the isovalue, the mesh "
+        "is finite, closed, and on the right side of the samples.",
+        DESIGN,
+        None,
+        on_mesh(extremes),
+        tags=frozenset({"ranges"}),
+        variants=("extremes",),
         promised=False,
     ),
 )

@@ -9,12 +9,27 @@ against nobody who does not promise otherwise.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from isoref.field import Integers
 
-from isograde.claims.evidence import VERDICT_OF, failed, given_samples, passed, skipped
+from isograde import variants
+from isograde.claims.evidence import (
+    VERDICT_OF,
+    complex_of,
+    failed,
+    given_samples,
+    lattice_of,
+    on_mesh,
+    passed,
+    skipped,
+)
+from isograde.claims.symmetry import NEAR, Difference, compared, not_own
 from isograde.declaration import Declaration
-from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial, every_family
+from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial, Verdict, every_family
+from isograde.oracles.complexes import Complex
+from isograde.oracles.overlay import unmatched
 
 DESIGN = "isograde design"
 BAD_INPUT = ("rank", "no-samples", "isovalue-nan")
@@ -61,6 +76,66 @@ def nan(trial: Trial) -> Finding:
     if declared == "answers":
         return passed()
     return failed("declared to raise, but answered without a word", variant="nan")
+
+
+def elsewhere(trial: Trial) -> Finding:
+    """Pass when one sample that is no number, or infinite, changes the mesh about it alone."""
+    # Vertices in cells depend on all corners of their cell, and so do the cells beside it.
+    reach = 2.0 if trial.declaration.vertices == "cells" else 1.0
+    middle = np.array([n // 2 for n in trial.field.shape])
+    ours = _apart_from(complex_of(trial), middle, reach + lattice_of(trial).tolerance)
+    if not len(ours.simplices):
+        return skipped("the mesh has nothing elsewhere")
+    answered = 0
+    for name in ("nan", "infinity"):
+        outcome = trial.outcomes.get(name)
+        # Who refuses such a sample does not say what it does elsewhere.
+        if outcome is None or outcome.status in (Status.DECLINED, Status.RAISED):
+            continue
+        variant = variants.variant(name, trial.kind)
+        if outcome.status is Status.OK:
+            outcome = _where_finite(outcome)
+        finding = compared(trial, outcome, variant, _difference_elsewhere(ours, middle, reach))
+        if finding.verdict is not Verdict.PASS:
+            return finding
+        answered += 1
+    return passed(answered=answered) if answered else skipped("it refuses such samples")
+
+
+def _difference_elsewhere(ours: Complex, middle: Integers, reach: float) -> Difference:
+    """How the simplices apart from the middle sample differ."""
+
+    def difference(trial: Trial, other: Complex, variant: variants.Variant) -> str:
+        del variant
+        near = NEAR * lattice_of(trial).tolerance
+        theirs = _apart_from(other, middle, reach + lattice_of(trial).tolerance)
+        lost, new = unmatched(ours, theirs, near)
+        if not len(lost) and not len(new):
+            return ""
+        return (
+            f"{len(lost)} simplices that are more than {reach:g} from that sample are lost, and "
+            f"{len(new)} are new"
+        )
+
+    return difference
+
+
+def _apart_from(mesh: Complex, middle: Integers, reach: float) -> Complex:
+    """The simplices with no vertex within the reach of the sample along every axis."""
+    near = np.asarray((np.abs(mesh.points - middle) <= reach).all(axis=1))
+    return Complex(mesh.points, mesh.simplices[~near[mesh.simplices].any(axis=1)])
+
+
+def _where_finite(outcome: Outcome) -> Outcome:
+    """The outcome without the simplices that have a coordinate that is no finite number."""
+    points, rows = outcome.vertices, outcome.simplices
+    if points is None or rows is None or points.dtype.kind != "f" or points.ndim != 2:
+        return outcome
+    if rows.ndim != 2 or (rows.size and (rows.min() < 0 or rows.max() >= len(points))):
+        return outcome
+    finite = np.isfinite(points).all(axis=1)
+    kept = rows[finite[rows].all(axis=1)] if rows.size else rows
+    return replace(outcome, vertices=np.where(finite[:, None], points, 0), simplices=kept)
 
 
 def out_of_range(trial: Trial) -> Finding:
@@ -159,6 +234,17 @@ CLAIMS = (
         None,
         ("nan",),
         needs_mesh=False,
+        promised=False,
+    ),
+    Claim(
+        id="robustness.elsewhere",
+        rule="A sample that is not a number, or infinite, changes nothing but what is about it, "
+        "where it is answered and not refused.",
+        source=DESIGN,
+        level=None,
+        judge=on_mesh(elsewhere),
+        families=not_own,
+        variants=("nan", "infinity"),
         promised=False,
     ),
     _claim(

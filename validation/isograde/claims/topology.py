@@ -26,10 +26,11 @@ from isograde.claims.evidence import (
     skipped,
     welded_at_ties,
 )
+from isograde.declaration import Declaration
 from isograde.model import Claim, Finding, Judge, Kind, Trial
 from isograde.oracles.complexes import EXACT, Complex
 from isograde.oracles.degree import TooWideError
-from isograde.oracles.lattice import Lattice
+from isograde.oracles.lattice import Lattice, components
 
 HATCHER = (
     "A. Hatcher, Algebraic Topology, 2002, chapter 2: a manifold has a boundary or it has none"
@@ -285,6 +286,42 @@ def raw(trial: Trial) -> Finding:
     return failed(f"as it came, with nothing excused at ties: {', '.join(told)}", **counts)
 
 
+def tie_side(trial: Trial) -> Finding:
+    """Pass when a block of tied samples is a body, or is none, as the declared side has it.
+
+    Only a block tells: at fewer tied samples the surface may have no area, and an implementation
+    may leave simplices without area out.
+    """
+    lattice = lattice_of(trial)
+    if any(end.end != "open" or not 0 <= end.inset < 1 for end in lattice.ends):
+        return skipped("the surface goes on beyond the samples, or ends far inside them")
+    values = components(lattice.field)[0]
+    tied = values == lattice.isovalue
+    windows = np.lib.stride_tricks.sliding_window_view(tied, (2,) * lattice.n)
+    if min(lattice.shape) < 2 or not windows.all(axis=tuple(range(-lattice.n, 0))).any():
+        return skipped("there is no block of tied samples")
+    above, below = bool((values > lattice.isovalue).any()), bool((values < lattice.isovalue).any())
+    if above == below:
+        return skipped("the side of the tied samples does not decide whether there is a surface")
+    said = trial.declaration.conventions.tie
+    wanted = below if said == "inside" else above
+    measure = complex_of(trial).measure
+    if (measure > lattice.tolerance) == wanted:
+        return passed(measure=measure)
+    other = "outside" if said == "inside" else "inside"
+    found = "there is no surface round" if wanted else "there is a surface round"
+    return failed(
+        f"{found} a block of samples on the isovalue, as if they counted as {other}, and {said} is "
+        f'declared: declare {{"conventions": {{"tie": "{other}"}}}} if that is meant',
+        measure=measure,
+    )
+
+
+def sees_ties(declaration: Declaration) -> bool:
+    """It interpolates between the field's own samples."""
+    return declaration.interpolant != "labels" and declaration.vertices != "own"
+
+
 def _claim(name: str, rule: str, source: str, level: int | None, judge: Judge) -> Claim:
     """A claim of this family, on all kinds that have facets."""
     return Claim(
@@ -346,5 +383,15 @@ CLAIMS = (
         judge=on_mesh(raw),
         kinds=has_facets,
         promised=False,
+    ),
+    Claim(
+        id="topology.tie_side",
+        rule="A block of samples on the isovalue counts as inside, or as outside, as is declared.",
+        source="isograde design: conventions are declared, and what was declared is verified",
+        level=None,
+        judge=on_mesh(tie_side),
+        kinds=lambda kind: kind.m == 1 and has_facets(kind),
+        families=sees_ties,
+        tags=frozenset({"ties"}),
     ),
 )
