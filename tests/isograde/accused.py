@@ -219,6 +219,12 @@ def in_half_precision(values: Any, isovalue: float, spacing: Any) -> Any:
     return accurate(np.nan_to_num(half), isovalue, spacing)
 
 
+def in_single_precision(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The samples are rounded to single precision before the isovalue is taken off."""
+    single = np.asarray(values, np.float64).astype(np.float32)
+    return accurate(np.nan_to_num(single), isovalue, spacing)
+
+
 def half_a_curve(values: Any, isovalues: Any, spacing: Any) -> Any:
     """The second half of the segments is missing."""
     vertices, rows = kuhn(values, isovalues, spacing)

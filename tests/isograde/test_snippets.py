@@ -40,12 +40,10 @@ SOME = (
 )  # fmt: skip
 PLANE = ("contours/noise", "contours/waves")
 PAIRS = ("curves/noise-small", "curves/noise")
-# Claims of which there are no lines: conventions, of which the page says so in a sentence, and what
-# takes more than a few lines, of which it says that.
-WITHOUT = {
-    "robustness.nan", "robustness.bad_input", "robustness.elsewhere", "range.extremes",
-    "topology.tie_side",
-}  # fmt: skip
+# Claims of which there are no lines: conventions, of which the page says so in a sentence.
+WITHOUT = {"robustness.nan", "robustness.bad_input"}
+# Those that take more than a few lines to show, of which the page says that.
+LONGER = {"robustness.elsewhere", "range.extremes", "topology.tie_side"}
 
 
 @pytest.fixture(autouse=True)
@@ -351,4 +349,4 @@ def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> No
         *CALLS.values(),
         *(claim for _, claim, *_ in BY_FORMULA),
     }
-    assert set(CLAIMS) - run - WITHOUT == set()
+    assert set(CLAIMS) - run - WITHOUT - LONGER == set()
