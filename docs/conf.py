@@ -35,6 +35,7 @@ CHAPTERS = {
         "attributes",
         "capping",
         "degenerate",
+        "ties",
     ),
     "Where two isosurfaces meet": (
         "curves",

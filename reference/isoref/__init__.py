@@ -9,8 +9,8 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`, `hypersurface`.
 4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
    `marching_tetrahedra`. What a surface carries: `attributes`; closed on
-   the border: `capping`; without triangles that have no
-   area: `degenerate`.
+   the border: `capping`; without triangles that have no area: `degenerate`, and `ties`, where
+   samples equal the isovalue.
 5. Where two isosurfaces meet: `curves`, `marching_faces`, `hermite`, `surface_intersection`,
    `plane_waves`.
 6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`,

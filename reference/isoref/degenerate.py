@@ -153,18 +153,22 @@ def state(mesh: Mesh) -> State:
         degenerate=int(degenerate(mesh).sum()),
         boundary=int((counts == 1).sum()),
         crowded=int((counts > 2).sum()),
-        pinched=_fans(triangles) - used,
+        pinched=int(fans(triangles, len(mesh.vertices)).sum()) - used,
         euler=used - len(unique) + len(triangles),
     )
 
 
-def _fans(triangles: Integers) -> int:
-    """How many fans the triangles form, of all vertices together: their corners joined by edges."""
+def fans(triangles: Integers, vertices: int) -> Integers:
+    """(vertices,) how many fans the triangles (S, 3) form at each: corners joined by edges.
+
+    >>> fans(np.array([[0, 1, 2], [0, 2, 3], [0, 4, 5]]), 6).tolist()
+    [2, 1, 1, 1, 1, 1]
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     if not len(triangles):
-        return 0
+        return np.zeros(vertices, np.int64)
     # Two corners at one vertex are joined where their triangles share an edge that ends there.
     corner = np.arange(triangles.size).reshape(-1, 3)
     here, there = triangles.ravel(), np.stack([np.roll(triangles, s, axis=1) for s in (1, -1)])
@@ -177,7 +181,9 @@ def _fans(triangles: Integers) -> int:
         (np.ones(len(joined[0])), (owner[joined[0]], owner[joined[1]])),
         shape=(triangles.size, triangles.size),
     )
-    return int(connected_components(graph, directed=False)[0])
+    fan = connected_components(graph, directed=False)[1]
+    _, first = np.unique(fan, return_index=True)
+    return np.bincount(here[first], minlength=vertices)
 
 
 def degenerate(mesh: Mesh) -> Booleans:

@@ -36,6 +36,7 @@ from isoref.marching_tetrahedra import Split
 from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import check_volume
+from isoref.ties import separated
 from isoref.vesta import SIX_SURFACES
 
 
@@ -103,6 +104,7 @@ def surface(
     precision: Precision = "double",
     cap: bool = False,
     absent: Booleans | None = None,
+    nearness: float = 0,
     provenance: bool = False,
 ) -> Mesh:
     """The isosurface of a field, by the method of this name; parameters are those of `extract`.
@@ -112,7 +114,7 @@ def surface(
     if method not in METHODS:
         raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
     number_types(precision)
-    traced = provenance or absent is not None
+    traced = provenance or absent is not None or nearness != 0
     if cap:
         mesh = capped(METHODS[method], field, isovalue, traced)
     elif method in RULES:
@@ -121,6 +123,8 @@ def surface(
         mesh = METHODS[method](field, isovalue, provenance=traced)
     if absent is not None:
         mesh = without_cells(mesh, cells_of_samples(absent))
+    if nearness != 0:
+        mesh = separated(mesh, nearness).mesh
     if traced and not provenance:
         mesh = Mesh(mesh.vertices, mesh.simplices)
     return mesh.in_precision(precision)
@@ -138,6 +142,7 @@ def extract(
     directions: ArrayLike | None = ...,
     cap: bool = ...,
     absent: bool | ArrayLike = ...,
+    nearness: float = ...,
     provenance: bool = ...,
 ) -> Mesh: ...
 
@@ -154,6 +159,7 @@ def extract(
     directions: ArrayLike | None = ...,
     cap: bool = ...,
     absent: bool | ArrayLike = ...,
+    nearness: float = ...,
     provenance: bool = ...,
 ) -> list[Mesh]: ...
 
@@ -169,6 +175,7 @@ def extract(
     directions: ArrayLike | None = None,
     cap: bool = False,
     absent: bool | ArrayLike = False,
+    nearness: float = 0,
     provenance: bool = False,
 ) -> Mesh | list[Mesh]:
     """The isosurface of an array, by the method of this name; one for each of several isovalues.
@@ -186,6 +193,10 @@ def extract(
         array; or (N1, N2, N3) booleans, True where a sample is absent. No surface is drawn in a
         cell with an absent corner, and it has a boundary there. By default such samples are an
         error
+    nearness : of crossings to samples, in parts of a lattice edge, at most 1/4. Nearer ones become
+        one vertex at the sample where the surface stays a manifold by it, and elsewhere move off
+        it, so that no triangle between them is without area (`isoref.ties`). By default, 0,
+        everything stays where it is, ties too
     provenance : also say of each vertex on which edge it lies, and of each triangle in which cell
         (`isoref.mesh.Provenance`); what can be made of it is in `isoref.attributes`
 
@@ -207,7 +218,14 @@ dimension 2)]
 
     def at(level: float) -> Mesh:
         return surface(
-            field, level, method, precision=precision, cap=cap, absent=gone, provenance=provenance
+            field,
+            level,
+            method,
+            precision=precision,
+            cap=cap,
+            absent=gone,
+            nearness=nearness,
+            provenance=provenance,
         )
 
     if isinstance(isovalue, Sequence | np.ndarray) and not isinstance(isovalue, str):
