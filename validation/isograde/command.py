@@ -420,7 +420,7 @@ def compare(
 
 @app.command()
 def exercise(
-    number: Annotated[int, typer.Argument(metavar="NUMBER", help="1 to 5, as the lessons.")],
+    number: Annotated[int, typer.Argument(metavar="NUMBER", help="That of its lesson.")],
     file: Annotated[
         Path | None, typer.Argument(metavar="[FILE]", help="Your file; without it one is given.")
     ] = None,

@@ -12,16 +12,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from isoref.field import Field
 
 from isograde.adapters import open_adapter
-from isograde.model import BAD, CONTOURS, SURFACES, Case, Kind, Limits, Verdict
+from isograde.declaration import Declaration
+from isograde.exercises import fields
+from isograde.model import BAD, Adapter, Case, Limits, Verdict
 from isograde.runner import Task, Worker, claims_for
 
-LINE = Kind(1, 1)
 ANSWERS = "structure.answers"
 SHAPES = "structure.shapes"
 # Asked of every exercise: an answer that says nothing is closed, and on no sample's right side.
@@ -71,16 +68,15 @@ def judged(exercise: Exercise, path: Path) -> list[Told]:
     """
     adapter = open_adapter(f"python:{path}:extract")
     try:
-        declared = adapter.open(Limits(20.0, 2048))
-        cases = {case.id: case for case in exercise.cases()}
-        worker = Worker(adapter, declared, cases, claims_for(declared))
-        return _told(exercise, worker)
+        return told_through(exercise, adapter, adapter.open(Limits(20.0, 2048)))
     finally:
         adapter.close()
 
 
-def _told(exercise: Exercise, worker: Worker) -> list[Told]:
-    """The hints of the claims that fail, each with its smallest case."""
+def told_through(exercise: Exercise, adapter: Adapter, declared: Declaration) -> list[Told]:
+    """The hints of the claims that fail through an open adapter, each with its smallest case."""
+    cases = {case.id: case for case in exercise.cases()}
+    worker = Worker(adapter, declared, cases, claims_for(declared))
     first = (ANSWERS, SHAPES, *exercise.hints, SIDES)
     wanted = [name for name in dict.fromkeys(first) if name in worker.claims]
     bad: dict[str, list[tuple[int, str, str]]] = {}
@@ -103,70 +99,11 @@ def _told(exercise: Exercise, worker: Worker) -> list[Told]:
     return told
 
 
-def _case(name: str, values: Any, isovalue: float, kind: Kind, *tags: str) -> Case:
-    """A case of the exercises."""
-    array = np.asarray(values, np.float64)
-    return Case(
-        f"exercise/{name}",
-        lambda: Field.of(array, dimension=kind.n),
-        (isovalue,),
-        array.size,
-        frozenset({"noise", *tags}),
-        kind=kind,
-    )
-
-
-def _lines() -> list[Case]:
-    """Lines of samples, some of them equal to the isovalue."""
-    rng = np.random.default_rng(1)
-    lines = [_case(f"line-{k}", rng.normal(size=6 + k), 0.2, LINE) for k in range(8)]
-    ties = [[0, 1, 2, 1, 0], [2, 1, 0, 1, 1, 0], [1, 0, 0, 2]]
-    return lines + [_case(f"tie-{k}", line, 1.0, LINE) for k, line in enumerate(ties)]
-
-
-def _squares() -> list[Case]:
-    """Fields of squares with every pattern, many of them ambiguous."""
-    rng = np.random.default_rng(2)
-    fields = [rng.normal(size=(4 + k % 3, 5)) for k in range(16)]
-    saddles = [rng.uniform(0.1, 3, (2, 2)) * [[1, -1], [-1, 1]] * (-1) ** k for k in range(16)]
-    return [_case(f"squares-{k}", one, 0.0, CONTOURS) for k, one in enumerate(fields + saddles)]
-
-
-def _cells() -> list[Case]:
-    """Each pattern of inside corners in the middle of outside and of inside samples."""
-    found = []
-    for signs in range(1, 255):
-        for outer in (-1.0, 1.0):
-            values = np.full((4, 4, 4), outer)
-            for c in range(8):
-                at = tuple(1 + (c >> a & 1) for a in range(3))
-                values[at] = 1.0 if signs >> c & 1 else -1.0
-            # No two values alike, and no sample tied.
-            values *= 1 + np.random.default_rng(signs).uniform(0, 0.5, values.shape)
-            side = "outside" if outer < 0 else "inside"
-            found.append(_case(f"pattern-{signs}-{side}", values, 0.0, SURFACES))
-    return found
-
-
-def _noise() -> list[Case]:
-    """Noise: two cells of every pair of patterns meet somewhere."""
-    rng = np.random.default_rng(4)
-    return [_case(f"noise-{k}", rng.normal(size=(6, 6, 6)), 0.0, SURFACES) for k in range(12)]
-
-
-def _faces() -> list[Case]:
-    """Two cells with an ambiguous face between them, whose mean and saddle often disagree."""
-    rng = np.random.default_rng(5)
-    found = []
-    for k in range(24):
-        values = rng.uniform(0.1, 1, (3, 2, 2)) * np.where(rng.random((3, 2, 2)) < 0.5, 1, -1)
-        values[1] = rng.uniform(0.1, 4, (2, 2)) * [[1, -1], [-1, 1]]
-        found.append(_case(f"face-{k}", values, 0.0, SURFACES))
-    return found + _noise()[:2]
-
-
 CLOSED = "topology.closed"
 ORIENTED = "topology.oriented"
+MANIFOLD = "topology.manifold"
+BILINEAR = "topology.bilinear"
+TRILINEAR = "topology.trilinear"
 SAME_WAY = "Two triangles that share an edge run through it the same way"
 EXERCISES = {
     one.number: one
@@ -182,7 +119,7 @@ EXERCISES = {
                 "samples takes the value. How far along is it, when one sample is much nearer to "
                 "the value than the other?",
             },
-            _lines,
+            fields.lines,
         ),
         Exercise(
             2,
@@ -190,11 +127,11 @@ EXERCISES = {
             {
                 CLOSED: "A contour ends inside the field.",
                 SIDES: "A contour has a sample on its wrong side.",
-                "topology.bilinear": "An ambiguous square is joined otherwise than the bilinear "
+                BILINEAR: "An ambiguous square is joined otherwise than the bilinear "
                 "interpolant's own contour joins it. Which value of the square tells whether its "
                 "hyperbola passes between one pair of corners or the other?",
             },
-            _squares,
+            fields.squares,
         ),
         Exercise(
             3,
@@ -206,7 +143,7 @@ EXERCISES = {
                 SIDES: "The surface does not part an inside corner from an outside one, "
                 "or faces the wrong way there.",
             },
-            _cells,
+            fields.cells,
         ),
         Exercise(
             4,
@@ -217,18 +154,136 @@ EXERCISES = {
                 "decided, in each?",
                 ORIENTED: f"{SAME_WAY}.",
             },
-            _noise,
+            fields.noise,
         ),
         Exercise(
             5,
             "The asymptotic decider",
             {
                 CLOSED: "There is a hole: the two cells at a face do not decide it alike.",
-                "topology.bilinear": "An ambiguous face is decided otherwise than its bilinear "
+                BILINEAR: "An ambiguous face is decided otherwise than its bilinear "
                 "interpolant says. A mean of four values knows nothing of where they stand; what "
                 "is the value at the point where the asymptotes meet?",
             },
-            _faces,
+            fields.faces,
+        ),
+        Exercise(
+            6,
+            "Polygons and triangles without a table",
+            {
+                CLOSED: "The surface has a hole. Follow the segments of one of its cells by hand: "
+                "how many polygons are there, and how many come out?",
+                ORIENTED: f"{SAME_WAY}.",
+                SIDES: "Between an inside and an outside sample no polygon passes.",
+                MANIFOLD: "An edge has four triangles. It is a chord, and it lies on the face that "
+                "two cells share, where each of them cut a polygon along it.",
+            },
+            fields.noise,
+        ),
+        Exercise(
+            7,
+            "The proof",
+            {
+                CLOSED: "There is a hole: the two cells at a face have different segments there. "
+                "Both premises of the proof are in doubt. Is every cell that has an ambiguous face "
+                "asked? And do both cells come to the same decision where the saddle is as near to "
+                "the isovalue as two floats can be?",
+                BILINEAR: "An ambiguous face is decided otherwise than its bilinear interpolant "
+                "says, or is not decided at all.",
+            },
+            fields.saddles,
+        ),
+        Exercise(
+            8,
+            "Inside the cell: tunnels",
+            {
+                CLOSED: "There is a hole.",
+                TRILINEAR: "A cell has not the topology of its trilinear interpolant: it has a "
+                "tunnel where there is none, or the tunnel joins the wrong side. How many axes "
+                "must agree, and on what? And which point tells what goes through the waist?",
+            },
+            fields.tunnels,
+        ),
+        Exercise(
+            9,
+            "VESTA",
+            {
+                SIDES: "Between an active and an inactive voxel no cycle passes.",
+                CLOSED: "The cycles do not close. Four paths end at a point of ambiguity, and all "
+                "four must turn the same way: what do they have in common?",
+                "geometry.crossing": "A support point is moved along its range vector, but not to "
+                "where the line between the two voxels takes the isovalue. From which end is the "
+                "way measured?",
+                "cells.mean": "A point of ambiguity connects its active voxels where the mean of "
+                "the four voxels round it is inactive, or separates them where it is active.",
+            },
+            fields.voxels,
+        ),
+        Exercise(
+            10,
+            "Any dimension",
+            {
+                CLOSED: "A facet has one simplex. Two simplices that share a face of more than "
+                "three corners have cut it in two ways: in which order do they see its vertices?",
+                ORIENTED: "Two simplices that share a facet give it the same orientation.",
+                SIDES: "The second component is cut in the wrong place. What is its value at a "
+                "vertex that the first cut has made?",
+            },
+            fields.dimensions,
+        ),
+        Exercise(
+            11,
+            "Where two surfaces meet",
+            {
+                CLOSED: "A curve ends inside the field. What two triangles have in common is no "
+                "longer than what either has of the common line: where does a segment begin, and "
+                "where does it end?",
+                ORIENTED: "Two segments begin at one node, or end there: they do not run the same "
+                "way along the curve.",
+                SIDES: "The curve does not pass a face of the lattice as often, or not in the "
+                "direction, that the samples say.",
+            },
+            fields.pairs_of_fields,
+        ),
+        Exercise(
+            12,
+            "Dual methods",
+            {
+                ORIENTED: f"{SAME_WAY}. Look along each of the three axes: is the walk round its "
+                "edges counterclockwise?",
+                SIDES: "The surface faces the wrong way.",
+                MANIFOLD: "Two pieces of surface meet in a vertex, or in an edge of four "
+                "triangles: they pass through one cell, and it gave them one vertex between them.",
+            },
+            fields.islands,
+        ),
+        Exercise(
+            13,
+            "How to judge an extractor",
+            {
+                "robustness.input_unmodified": "The samples are not what they were before the "
+                "call. Whose are they?",
+                ANSWERS: "A field gets an error and no answer. Look at its numbers: are they "
+                "whole, and does one of them equal the isovalue? Such a sample is inside, and not "
+                "neither.",
+                CLOSED: "A contour ends inside the field, beside a sample that equals the "
+                "isovalue.",
+                "structure.no_repeated_index": "A segment begins and ends in the same point. Two "
+                "crossings were taken for one because they are near each other; is being near the "
+                "same as being the same?",
+                "geometry.crossing": "A point is not where the straight line between its two "
+                "samples takes the value: it was kept away from a sample that it is close to.",
+                MANIFOLD: "Two contours meet in a point. Two crossings were taken for one because "
+                "they are near each other; is being near the same as being the same?",
+                SIDES: "A contour passes where the samples say it should not, or does not pass "
+                "where it should: of two crossings near each other one is lost.",
+                "symmetry.spacing": "With another spacing the contour has other pieces, though "
+                "nothing but the length of a step has changed.",
+                "symmetry.layout": "The same samples, laid out otherwise in memory or not to be "
+                "written to, have another answer.",
+                "symmetry.type": "The same numbers in another type have another answer.",
+            },
+            fields.posed,
         ),
     )
 }

@@ -1,0 +1,109 @@
+"""The lessons: what they print is what comes, what they show is what is made now."""
+
+from __future__ import annotations
+
+import doctest
+import importlib.util
+import re
+import sys
+from itertools import pairwise
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from isograde.exercises import EXERCISES
+from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
+
+ROOT = Path(__file__).parent.parent.parent
+COURSE = ROOT / "docs" / "course"
+LESSONS = sorted(COURSE.glob("lesson_*.rst"), key=lambda path: int(path.stem[7:]))
+FIRST = 5  # The lessons that a reader gets through in an afternoon.
+TABS = {"cell", "gallery", "pair", "field", "plane", "four"}
+
+
+@pytest.fixture(scope="module")
+def figures() -> ModuleType:
+    """The program that makes the films."""
+    spec = importlib.util.spec_from_file_location("course_figures", COURSE / "figures.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def number(lesson: Path) -> int:
+    """Which lesson it is."""
+    return int(lesson.stem[7:])
+
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=number)
+def test_what_a_lesson_prints_is_what_comes(lesson: Path) -> None:
+    """Issue 17: every output and number is made or tested by the build."""
+    found = doctest.testfile(str(lesson), module_relative=False, encoding="utf-8")
+    assert found.failed == 0
+    assert found.attempted >= (2 if number(lesson) > FIRST else 0)
+
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=number)
+def test_a_lesson_has_a_figure_that_moves_and_its_exercise(lesson: Path) -> None:
+    """Issue 17: each lesson a page with a figure that moves and an exercise."""
+    text = lesson.read_text(encoding="utf-8")
+    assert f"``isograde exercise {number(lesson)}``" in text
+    assert EXERCISES[number(lesson)].title.lower() in text.splitlines()[0].lower()
+    films = re.findall(r":file: (made/film_\d+\.html)", text)
+    assert all((COURSE / film).is_file() for film in films)
+    tabs = re.findall(r"<\.\./explorer\.html#tab=(\w+)", text)
+    assert films or tabs
+    assert set(tabs) <= TABS
+
+
+def test_every_lesson_has_an_exercise_and_every_exercise_a_lesson() -> None:
+    """And the contents name them in order."""
+    assert [number(lesson) for lesson in LESSONS] == sorted(EXERCISES)[: len(LESSONS)]
+    index = (COURSE / "index.rst").read_text(encoding="utf-8")
+    assert re.findall(r"^   lesson_(\d+)$", index, re.MULTILINE) == [
+        str(number(lesson)) for lesson in LESSONS
+    ]
+
+
+def words(lesson: Path) -> int:
+    """How many words a reader reads: all that is neither code nor a drawing."""
+    text = lesson.read_text(encoding="utf-8")
+    paragraphs = re.split(r"\n\s*\n", text)
+    return sum(len(p.split()) for p in paragraphs if not p.startswith((" ", ">>>", ".. ")))
+
+
+def test_a_lesson_is_not_too_long() -> None:
+    """Issue 17: the first five at most 6,000 words together; the others as a chapter of a book."""
+    assert sum(len(one.read_text(encoding="utf-8").split()) for one in LESSONS[:FIRST]) <= 6_000
+    for lesson in LESSONS[FIRST:]:
+        assert 700 <= words(lesson) <= 1_250, lesson.name
+
+
+def test_films_are_as_they_are_made_now(figures: ModuleType) -> None:
+    """Nothing in the pages is older than the code it is made of."""
+    assert figures.FILMS
+    for name, film in figures.FILMS.items():
+        kept = (COURSE / "made" / f"film_{name}.html").read_text(encoding="utf-8")
+        assert film().fragment() == kept, f"film {name}: run python docs/course/figures.py"
+
+
+def test_a_polygon_of_seven_sides_has_a_fan_without_a_chord_on_a_face() -> None:
+    """Lesson 6 says so, of all patterns."""
+    polygons = {p for signs in range(256) for p in cycles(signs, ALL_SEPARATED)}
+    assert len(polygons) > 100
+    assert max(map(len, polygons)) == 7
+    assert all(any(map(is_fan, turns(polygon))) for polygon in polygons)
+
+
+def turns(polygon: Polygon) -> list[Polygon]:
+    """The polygon begun at each of its corners."""
+    return [polygon[k:] + polygon[:k] for k in range(len(polygon))]
+
+
+def is_fan(polygon: Polygon) -> bool:
+    """Whether no chord from its first corner lies on a face."""
+    first, *others = polygon
+    return len(list(pairwise(others))) < 2 or not any(share_face(first, e) for e in others[1:-1])
