@@ -158,6 +158,17 @@ def state(mesh: Mesh) -> State:
     )
 
 
+def crowded_edges(triangles: Integers) -> Integers:
+    """(E, 2) the edges that more than two of the triangles share.
+
+    >>> crowded_edges(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]])).tolist()
+    [[0, 1]]
+    """
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    return np.asarray(unique[counts > 2])
+
+
 def fans(triangles: Integers, vertices: int) -> Integers:
     """(vertices,) how many fans the triangles (S, 3) form at each: corners joined by edges.
 

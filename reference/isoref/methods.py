@@ -114,14 +114,14 @@ def surface(
     if method not in METHODS:
         raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
     number_types(precision)
-    traced = provenance or absent is not None or nearness != 0
+    traced = provenance or (absent is not None and not cap) or nearness != 0
     if cap:
-        mesh = capped(METHODS[method], field, isovalue, traced)
+        mesh = capped(METHODS[method], field, isovalue, traced, absent)
     elif method in RULES:
         mesh = sweep(RULES[method], field, isovalue, precision, traced)
     else:
         mesh = METHODS[method](field, isovalue, provenance=traced)
-    if absent is not None:
+    if absent is not None and not cap:
         mesh = without_cells(mesh, cells_of_samples(absent))
     if nearness != 0:
         mesh = separated(mesh, nearness).mesh
@@ -188,11 +188,12 @@ def extract(
     method : a name of `METHODS`
     precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
         libraries give, in half the memory
-    cap : close the surface on the border of the volume (`isoref.capping`)
+    cap : close the surface on the border of the volume and beside absent samples
+        (`isoref.capping`)
     absent : samples that do not count: True for those that are not finite, or masked in a masked
         array; or (N1, N2, N3) booleans, True where a sample is absent. No surface is drawn in a
-        cell with an absent corner, and it has a boundary there. By default such samples are an
-        error
+        cell with an absent corner, and it has a boundary there, or with `cap` what closes it. By
+        default such samples are an error
     nearness : of crossings to samples, in parts of a lattice edge, at most 1/4. Nearer ones become
         one vertex at the sample where the surface stays a manifold by it, and elsewhere move off
         it, so that no triangle between them is without area (`isoref.ties`). By default, 0,

@@ -306,6 +306,11 @@ def test_extract_leaves_out_absent_samples_when_asked(tmp_path: Path) -> None:
     assert "1 samples of 990 are absent" in told
     assert "triangles without area" in told
     assert len(meshes["out"].faces) > 100
+    assert not meshes["out"].is_watertight
+    _, closed = extracted(
+        tmp_path, tmp_path / "holed.nii.gz", "--isovalue", "3", "--absent", "--cap"
+    )
+    assert closed["out"].is_watertight
     refused = run("extract", tmp_path / "holed.nii.gz", "--isovalue", "3")
     assert refused.exit_code == 2
     assert "sample (0, 0, 0) is nan" in refused.output

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from isoref import METHODS, Field, FieldError, Mesh, attributes, extract
 from isoref.capping import capped, framed_samples
 from isoref.degenerate import state
+from isoref.methods import DUAL_RULES, RULES
 from numpy.typing import NDArray
 
 # Lorensen and Cline's drawings are torn inside already; naive nets have edges of four triangles.
@@ -33,6 +34,12 @@ def volume(mesh: Mesh) -> float:
     return float((a * np.cross(b, c)).sum() / 6)
 
 
+def corners_of(mesh: Mesh) -> set[Any]:
+    """The triangles by their corners, in no order."""
+    places = np.round(mesh.vertices[mesh.simplices], 9).tolist()
+    return {tuple(sorted(map(tuple, corners))) for corners in places}
+
+
 SHAPES = st.tuples(*[st.integers(2, 5)] * 3)
 FIELDS = SHAPES.flatmap(
     lambda shape: st.one_of(
@@ -46,6 +53,7 @@ FIELDS = SHAPES.flatmap(
 
 
 @pytest.mark.parametrize("method", CLOSED)
+@settings(max_examples=50)
 @given(values=FIELDS, isovalue=st.sampled_from([0, 1, 0.25]))
 def test_caps_close_every_closed_method_whatever_the_samples(
     method: str, values: NDArray[Any], isovalue: float
@@ -59,6 +67,124 @@ def test_caps_close_every_closed_method_whatever_the_samples(
     if method in MANIFOLD:
         found = state(mesh)
         assert (found.boundary, found.crowded, found.pinched) == (0, 0, 0)
+
+
+FIELDS_WITH_ABSENT = FIELDS.flatmap(
+    lambda values: st.tuples(st.just(values), arrays(np.bool_, values.shape))
+)
+
+
+@pytest.mark.parametrize("method", CLOSED)
+@settings(max_examples=50)
+@given(posed=FIELDS_WITH_ABSENT, isovalue=st.sampled_from([0, 1, 0.25]))
+def test_caps_close_beside_absent_samples_whatever_they_are(
+    method: str, posed: tuple[NDArray[Any], NDArray[np.bool_]], isovalue: float
+) -> None:
+    """Random samples are absent: closed, oriented, a manifold, and no vertex on their edges."""
+    values, absent = posed
+    field = Field.of(values, (1, 2, 3), (4, 5, 6))
+    mesh = capped(METHODS[method], field, isovalue, True, absent)
+    assert balanced(mesh)
+    if method in MANIFOLD:
+        found = state(mesh)
+        assert (found.boundary, found.crowded, found.pinched) == (0, 0, 0)
+    index = field.index(mesh.vertices)
+    assert np.all((index >= -1e-9) & (index <= np.array(field.shape) - 1 + 1e-9))
+    ends = mesh.traced().ends
+    on_edges = ends[:, 1] >= 0
+    assert not absent.reshape(-1)[ends[on_edges]].any()
+
+
+def solid(size: int, at: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """A block that is all inside, and one absent sample of it."""
+    absent = np.zeros((size,) * 3, np.bool_)
+    absent[at] = True
+    return np.ones((size,) * 3), absent
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_lone_absent_sample_leaves_a_hole_of_known_volume(method: str) -> None:
+    """An octahedron between its six neighbours; with diagonals, what their star leaves of it."""
+    values, absent = solid(5, (2, 2, 2))
+    mesh = extract(values, 0.5, method=method, cap=True, absent=absent)
+    hole = 4**3 - volume(mesh)
+    if method in DUAL_RULES:
+        assert hole == pytest.approx((2 / 3) ** 3)
+    elif method in RULES or "vesta" in method or "label" in method:
+        assert hole == pytest.approx(4 / 3)
+    else:
+        assert 4 / 3 <= hole <= 8
+    assert state(mesh).euler == 4
+    assert state(mesh).degenerate == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_lone_absent_sample_in_the_border_leaves_a_dent(method: str) -> None:
+    """On a face, an edge and a corner of the block; one closed piece stays."""
+    for at in ((0, 2, 2), (0, 0, 2), (0, 0, 0)):
+        values, absent = solid(4, at)
+        mesh = extract(values, 0.5, method=method, cap=True, absent=absent)
+        assert balanced(mesh)
+        assert 0 < 3**3 - volume(mesh) < 4
+        assert state(mesh).euler == 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_number_at_an_absent_sample_matters(method: str) -> None:
+    """NaN, infinity, or masked."""
+    random = np.random.default_rng(3)
+    values, absent = random.normal(size=(6, 6, 7)), random.random((6, 6, 7)) < 0.2
+    first = extract(values, 0.1, method=method, cap=True, absent=absent)
+    for number in (np.nan, np.inf, -np.inf, 7.0, 0.1):
+        other = np.where(absent, number, values)
+        again = extract(other, 0.1, method=method, cap=True, absent=absent)
+        assert np.array_equal(first.vertices, again.vertices)
+        assert np.array_equal(first.simplices, again.simplices)
+    masked = np.ma.masked_array(values, absent)
+    again = extract(masked, 0.1, method=method, cap=True, absent=True)
+    assert np.array_equal(first.vertices, again.vertices)
+    assert len(first.simplices) > 200
+
+
+@pytest.mark.parametrize("method", sorted(set(METHODS) - {"surface-nets", "dual-marching-cubes"}))
+def test_cells_without_an_absent_corner_keep_their_triangles(method: str) -> None:
+    """Where all samples of a cell are present, a cap adds and takes nothing."""
+    random = np.random.default_rng(5)
+    values, absent = random.normal(size=(6, 7, 8)), random.random((6, 7, 8)) < 0.06
+    plain, closed = (
+        corners_of(extract(values, 0.1, method=method, cap=cap, absent=absent))
+        for cap in (False, True)
+    )
+    assert len(plain) > 100
+    assert plain <= closed
+    assert len(closed) > len(plain)
+
+
+def test_a_sheet_of_samples_between_absent_ones_stays_a_closed_manifold() -> None:
+    """Attack: a single plane of samples is present; both its sides stand in it, not as one."""
+    values, absent = np.ones((5, 5, 5)), np.ones((5, 5, 5), np.bool_)
+    absent[2] = False
+    mesh = extract(values, 0.5, cap=True, absent=absent)
+    found = state(mesh)
+    assert (found.boundary, found.crowded, found.pinched, found.euler) == (0, 0, 0, 2)
+    assert volume(mesh) == 0
+    assert set(mesh.vertices[:, 0].tolist()) == {2.0}
+    nothing = extract(values, 0.5, cap=True, absent=np.ones_like(absent))
+    assert len(nothing.vertices) == len(nothing.simplices) == 0
+
+
+def test_caps_beside_absent_samples_stand_where_the_volume_stands() -> None:
+    """A mirrored, oblique volume of one component: as a straight one, placed."""
+    random = np.random.default_rng(6)
+    values, absent = random.normal(size=(5, 6, 7)), random.random((5, 6, 7)) < 0.2
+    frame = np.array([[0, -1, 0], [0.6, 0, 0.8], [-0.8, 0, 0.6]])
+    field = Field.of(values, (1, 2, 3), (4, 5, 6), directions=frame)
+    mesh = capped(METHODS["trilinear-cubes"], field, 0.0, True, absent)
+    straight = capped(METHODS["trilinear-cubes"], field.straight(), 0.0, True, absent)
+    assert balanced(mesh)
+    assert np.allclose(mesh.vertices, field.placed(straight.vertices))
+    assert volume(mesh) == pytest.approx(volume(straight))
+    assert volume(mesh) > 0
 
 
 @pytest.mark.parametrize("method", CLOSED)
@@ -104,15 +230,9 @@ def test_a_half_space_is_cut_out_of_the_volume_exactly(method: str, mirrored: bo
 def test_away_from_the_border_nothing_changes(method: str) -> None:
     """The surface without caps is a part of the one with them, triangle by triangle."""
     values = np.random.default_rng(2).normal(size=(5, 6, 7))
-    plain, closed = (extract(values, 0.1, method=method, cap=cap) for cap in (False, True))
-    ours = {
-        tuple(sorted(map(tuple, corners)))
-        for corners in np.round(plain.vertices[plain.simplices], 9).tolist()
-    }
-    theirs = {
-        tuple(sorted(map(tuple, corners)))
-        for corners in np.round(closed.vertices[closed.simplices], 9).tolist()
-    }
+    ours, theirs = (
+        corners_of(extract(values, 0.1, method=method, cap=cap)) for cap in (False, True)
+    )
     assert len(ours) > 100
     assert ours <= theirs
     assert len(theirs) > len(ours)

@@ -451,7 +451,7 @@ def extract(
         typer.Option("-o", "--out", help="ply obj off stl glb 3mf vtp vtk vtu msh npz, ..."),
     ] = Path("mesh.ply"),
     cap: Annotated[
-        bool, typer.Option("--cap", help="Close the surface on the border of the volume.")
+        bool, typer.Option("--cap", help="Close it on the border and beside absent samples.")
     ] = False,
     absent: Annotated[
         bool, typer.Option("--absent", help="NaN and infinity mean no sample, and are no error.")

@@ -31,8 +31,9 @@ class Wanted:
 
     isovalues, labels : one surface each; of labels the samples that are that number are inside
     method : of `isoref.METHODS`, or None for the usual one
-    cap : close them on the border of the volume
-    absent : samples that are not finite are no error: no surface is drawn beside them
+    cap : close them on the border of the volume, and beside absent samples
+    absent : samples that are not finite are no error: no surface is drawn beside them, but
+        for what closes it with `cap`
     clean : remove triangles without area, where that does no harm
     space : RAS, LPS, or None for what the file is in
     """
