@@ -111,7 +111,8 @@ class Film:
             '<label style="display:flex;gap:.6em;align-items:center">step '
             f'<input type="range" min="0" max="{last}" value="0" style="flex:1;min-width:0">'
             "</label>"
-            '<figcaption aria-live="polite" style="min-height:3em;color:inherit;text-align:left"></figcaption>'
+            '<figcaption aria-live="polite" style="min-height:3em;color:inherit;text-align:left">'
+            "</figcaption>"
             f'<script type="application/json">{data}</script>\n'
             f"<script>\n{script}</script></figure>\n"
         )
