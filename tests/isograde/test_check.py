@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.adapters import export
-from isograde.adapters.measure import ball
+from isograde.adapters.measure import ball, frame
 from isograde.adapters.registry import READY_MADE
 from isograde.checking import Advice, Checked, check, paste, small, trying
 from isograde.checking.places import misplacement
 from isograde.declaration import declaration_from
-from isograde.model import Request, Verdict
+from isograde.model import Outcome, Request, Status, Verdict
 from isoref.field import Field
 from isoref.methods import METHODS
 
@@ -72,6 +72,18 @@ def test_nothing_is_held_against_one_that_is_right(spec: str) -> None:
     assert ("turned on purpose" in str(checked.advice)) == (spec == "declared")
 
 
+def test_a_surface_whose_first_two_axes_are_exchanged_is_not_where_it_should_be() -> None:
+    """Though a ball near the middle of the lattice nearly lies where it did."""
+    spacing = np.array(ball().spacing)
+
+    def exchanged(field: Field, isovalues: tuple[float, ...]) -> Outcome:
+        mesh = METHODS["asymptotic-decider"](field, isovalues[0])
+        index = mesh.vertices / spacing if len(mesh.vertices) else mesh.vertices
+        return Outcome(Status.OK, index[:, [1, 0, 2]] * spacing, mesh.simplices)
+
+    assert frame(exchanged(ball(), (1.0,)), ball()) == (None, None)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -82,6 +94,10 @@ def test_nothing_is_held_against_one_that_is_right(spec: str) -> None:
         (lambda v, n, h: v / ((n - 1) * h), "unit cube"),
         (lambda v, n, h: 2 * v / ((n - 1) * h) - 1, "from -1 to 1"),
         (lambda v, n, h: v - (n - 1) * h / 2, "centred at 0"),
+        (lambda v, n, h: v[:, [1, 0, 2]], "take vertices[:, [1, 0, 2]]"),
+        (lambda v, n, h: v[:, [2, 0, 1]], "take vertices[:, [1, 2, 0]]"),
+        (lambda v, n, h: (v / h)[:, [1, 0, 2]] * h, "vertex = index[:, [1, 0, 2]] * spacing"),
+        (lambda v, n, h: (v / h)[:, [0, 2, 1]], "index[:, [0, 2, 1]] * spacing, where it is not"),
         (lambda v, n, h: v + 77, ""),
         (lambda v, n, h: (v + np.array(h) / 2)[:, ::-1], "axes are reversed"),
     ],

@@ -136,6 +136,8 @@ PLACED: dict[str, tuple[Change, str]] = {
     "padded": (lambda v, _: v + 1, "shifted by a whole cell along"),
     "centred": (lambda v, n: v - (n - 1) / 2, "centred at 0"),
     "axes": (lambda v, _: v[:, ::-1], "given in reversed order of the axes"),
+    "two axes": (lambda v, _: v[:, [1, 0, 2]], "axes exchanged: take index[:, [1, 0, 2]]"),
+    "cycle": (lambda v, _: v[:, [2, 0, 1]], "axes exchanged: take index[:, [1, 2, 0]]"),
     "both": (lambda v, n: (v * n / (n - 1))[:, ::-1], "and in reversed order of the axes"),
 }
 

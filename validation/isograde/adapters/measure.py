@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import partial
-from itertools import product
+from itertools import permutations, product
 from math import factorial
 from typing import Any, Literal
 
@@ -43,6 +43,8 @@ TELLING_SIZE = 0.3
 CLOSE = 0.1
 # Share of the telling fields, or of the simplices' sizes, that must agree.
 MAJORITY = 0.9
+# By so many cells another order of the axes must fit better to be taken for what is meant.
+CLEARLY = 0.15
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,23 @@ def frame(outcome: Outcome, field: Field) -> tuple[Axes | None, Units | None]:
         index = _index(vertices, field, order, scale)
         errors[order, scale] = np.abs([index.min(0), index.max(0)] - target).max()
     best = min(errors, key=lambda key: float(errors[key]))
-    return best if errors[best] < 1 else (None, None)
+    if errors[best] >= 1 or _permuted(vertices, field, target) < errors[best] - CLEARLY:
+        return None, None
+    return best
+
+
+def _permuted(vertices: Values, field: Field, target: Values) -> float:
+    """How far the vertices are off the sphere in the best order of the axes that is not allowed."""
+    spacing = np.asarray(field.spacing)
+    boxes = np.stack([vertices.min(0), vertices.max(0)])
+    usual = (tuple(range(field.dimension)), tuple(range(field.dimension))[::-1])
+    off = [np.inf]
+    for order in permutations(range(field.dimension)):
+        if order not in usual:
+            turned = boxes[:, order]
+            for index in (turned / spacing, turned, (boxes / spacing)[:, order]):
+                off.append(float(np.abs(index - target).max()))
+    return min(off)
 
 
 def _index(vertices: Values, field: Field, axes: Axes, units: Units) -> Values:

@@ -14,6 +14,8 @@ from isograde.model import Outcome
 ON_EDGE = 1e-4
 # Vertices on one level have values this much alike, as a share of the samples' range.
 ONE_LEVEL = 0.01
+# A box this near to the right one, in cells, is the right one in another order of the axes.
+PERMUTED = 0.2
 
 
 def misplaced(plain: Outcome, field: Field) -> str:
@@ -61,6 +63,8 @@ def misplacement(vertices: Floats, field: Field) -> str:
         "it is scaled by the spacing twice: vertices / spacing": right * steps**2,
         "it is divided by the spacing: vertices * spacing**2": right / steps,
     }
+    if told := _permuted(found, right, steps):
+        return told
     for order in sorted(permutations(range(n)), key=lambda order: order != tuple(range(n))[::-1]):
         said = _order_told(order)
         tried = guesses if not said or "reversed" in said else {"": right * steps, **guesses}
@@ -69,6 +73,21 @@ def misplacement(vertices: Floats, field: Field) -> str:
         best = min(off, key=lambda told: off[told])
         if off[best] < 0.12 * float(np.ptp(tried[best], axis=0).max()):
             return f"{best}, and {said}" if best and said else best or said
+    return ""
+
+
+def _permuted(found: Floats, right: Floats, steps: Floats) -> str:
+    """That the axes are exchanged and nothing else is wrong, where that explains the place."""
+    n = len(steps)
+    for order in list(permutations(range(n)))[1:]:
+        taken = list(order)
+        for told, box in (
+            (f"vertex = index[:, {taken}] * spacing", (found / steps)[:, taken]),
+            (f"take vertices[:, {taken}]", found[:, taken] / steps),
+            (f"vertex = index[:, {taken}] * spacing, where it is not scaled", found[:, taken]),
+        ):
+            if _off(box, right) < PERMUTED:
+                return f"axes are exchanged: {told}"
     return ""
 
 

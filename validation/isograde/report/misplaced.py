@@ -9,6 +9,7 @@ and leaving them where they are does not.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import permutations
 
 import numpy as np
 from isoref.field import Floats, Integers
@@ -16,6 +17,8 @@ from scipy.spatial import KDTree
 
 # Call a vertex right up to so far from a crossing, in cells; a map right for so many of them.
 NEAR, MOST = 1e-4, 0.9
+# Try every order of so many axes.
+MOST_AXES = 4
 Shift = tuple[str, Floats, Floats]
 
 
@@ -33,6 +36,8 @@ def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Flo
         for told, scale, shift in _maps(np.array(values.shape, float), spacing):
             if _agree((vertices[:, axes] - shift) / scale, right) >= MOST:
                 return f"vertices are {told}{', and ' + said if said else ''}"
+    if told := _by_order(vertices, right, spacing):
+        return told
     if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
         return "vertices stand on samples, not on the crossings of the edges between them"
     return _by_share(vertices, low, high, share)
@@ -79,6 +84,22 @@ def _maps(shape: Floats, spacing: Floats) -> Iterator[Shift]:
         yield "not multiplied by the spacing", 1 / spacing, none
         yield "multiplied by the spacing twice", spacing, none
         yield "multiplied by the first spacing on every axis", spacing[0] / spacing, none
+
+
+def _by_order(vertices: Floats, right: Floats, spacing: Floats) -> str:
+    """The order of the axes in which the vertices are given, or nothing; reversed is one too."""
+    n = len(spacing)
+    if n > MOST_AXES:
+        return ""
+    for order in list(permutations(range(n)))[1:]:
+        taken = f"[:, {list(order)}]"
+        for told, given in (
+            (f"take index{taken} and scale it then", vertices[:, order]),
+            (f"take vertices{taken}", (vertices * spacing)[:, order] / spacing),
+        ):
+            if _agree(given, right) >= MOST:
+                return f"vertices have their axes exchanged: {told}"
+    return ""
 
 
 def _by_share(vertices: Floats, low: Integers, high: Integers, share: Floats) -> str:
