@@ -127,6 +127,7 @@ def build(package: Package) -> None:
         # The kit for Rust sends a declaration on as it is written, so on one line.
         said_alone = json.dumps(told["declaration"])
         (package.built / f"{method}.declaration.json").write_text(said_alone)
+        (package.built / f"{method}.function").write_text(told["function"])
     install = package.said["install"]
     how = next((way for way in INSTALLERS if way in install), None)
     if how is None:
@@ -134,9 +135,10 @@ def build(package: Package) -> None:
     program = INSTALLERS[how](package, install[how])
     script = package.built / "run"
     # The kits answer on descriptor 3; what the package prints is for people.
-    kept = "3>&1 1>&2" if how in KITTED else ""
-    given = "$1.declaration.json" if how == "cargo" else "$1.json"
-    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} "{given}" {kept}\n')
+    compiled = how == "cargo" or "make" in install
+    given = '"$1.declaration.json" "$(cat "$1.function")"' if compiled else '"$1.json"'
+    kept = "3>&1 1>&2" if compiled or how == "npm" else ""
+    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} {given} {kept}\n')
     script.chmod(0o755)
     (package.built / "ready").touch()
 
@@ -161,7 +163,8 @@ def _npm(package: Package, wanted: list[str]) -> str:
 
 def _cargo(package: Package, wanted: list[str]) -> str:
     """A program built from the adapter, the kit for Rust and the crates."""
-    shutil.copy(KITS / "rust" / "src" / "isograde.rs", package.built / "src")
+    for source in (KITS / "rust" / "src" / "isograde.rs", SERVICES / "league.rs"):
+        shutil.copy(source, package.built / "src")
     (package.built / "Cargo.toml").write_text(
         '[package]\nname = "row"\nversion = "1.0.0"\nedition = "2021"\n\n[workspace]\n'
     )
@@ -186,7 +189,6 @@ def _debian(package: Package, wanted: list[str]) -> str:
     return str(install["program"])
 
 
-KITTED = ("npm", "cargo")
 INSTALLERS = {"pip": _pip, "npm": _npm, "cargo": _cargo, "debian": _debian}
 
 
