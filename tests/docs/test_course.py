@@ -7,18 +7,22 @@ import importlib.util
 import re
 import sys
 from itertools import pairwise
+from math import prod
 from pathlib import Path
 from types import ModuleType
+from urllib.parse import parse_qsl
 
 import pytest
 from isograde.exercises import EXERCISES
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
+from isoref.methods import RULES
 
 ROOT = Path(__file__).parent.parent.parent
 COURSE = ROOT / "docs" / "course"
 LESSONS = sorted(COURSE.glob("lesson_*.rst"), key=lambda path: int(path.stem[7:]))
 FIRST = 5  # The lessons that a reader gets through in an afternoon.
 TABS = {"cell", "gallery", "pair", "field", "plane", "four"}
+KINDS = {"", "noise", "smooth", "gyroid", "balls"}
 
 
 @pytest.fixture(scope="module")
@@ -56,12 +60,19 @@ def test_a_lesson_has_a_figure_that_moves_and_its_exercise(lesson: Path) -> None
     assert all((COURSE / film).is_file() for film in films)
     tabs = re.findall(r"<\.\./explorer\.html#tab=(\w+)", text)
     assert films or tabs
-    assert set(tabs) <= TABS
+    for link in re.findall(r"<\.\./explorer\.html#([^>]+)>", text):
+        parts = dict(parse_qsl(link))
+        assert parts["tab"] in TABS
+        assert parts.get("kind", "") in KINDS
+        assert set(parts.get("r", "lorensen-cline").split(",")) <= set(RULES)
+        if "v" in parts:
+            size = prod(map(int, parts["n"].split(",")))
+            assert len(list(map(float, parts["v"].split(",")))) == size
 
 
 def test_every_lesson_has_an_exercise_and_every_exercise_a_lesson() -> None:
     """And the contents name them in order."""
-    assert [number(lesson) for lesson in LESSONS] == sorted(EXERCISES)[: len(LESSONS)]
+    assert [number(lesson) for lesson in LESSONS] == sorted(EXERCISES)
     index = (COURSE / "index.rst").read_text(encoding="utf-8")
     assert re.findall(r"^   lesson_(\d+)$", index, re.MULTILINE) == [
         str(number(lesson)) for lesson in LESSONS
