@@ -16,6 +16,8 @@ FLAWED, SOUND = "isoref:lorensen-cline", "isoref:asymptotic-decider"
 KNOWN = any(one.value == "isograde.pytest_plugin" for one in entry_points(group="pytest11"))
 PLUGIN = [] if KNOWN else ["-p", "isograde.pytest_plugin"]
 FEW = "structure.finite or structure.in_range or topology.closed"
+# Two cells with a face that the rule of 1987 tears.
+CASES = ("pairs/248*",)
 
 
 def pytest_of(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -25,6 +27,7 @@ def pytest_of(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]
 
 
 CONFORMANCE = ("--pyargs", "isograde.conformance")
+ASKED = ("--isograde-only", " ".join(CASES))
 
 
 @pytest.mark.slow
@@ -39,7 +42,7 @@ def test_each_claim_is_a_test_with_a_readable_id(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_failure_has_the_smallest_case_and_the_command(tmp_path: Path) -> None:
     """-k chooses, -x stops, and the text is all one needs."""
-    chosen = ("-k", f"{FEW} or topology.manifold", "-x", "-q")
+    chosen = ("-k", f"{FEW} or topology.manifold", "-x", "-q", *ASKED)
     done = pytest_of(tmp_path, *CONFORMANCE, "--isograde", FLAWED, *chosen)
     assert done.returncode == 1
     assert "3 passed" not in done.stdout
@@ -57,7 +60,9 @@ def test_the_ini_file_names_the_implementation_and_what_is_known(tmp_path: Path)
         '["topology.closed"]\nreason = "the flaw of 1987"\ncases = ["*"]\n', encoding="utf-8"
     )
     (tmp_path / "pytest.ini").write_text(
-        f"[pytest]\nisograde = {FLAWED}\nisograde_expect = known.toml\n", encoding="utf-8"
+        f"[pytest]\nisograde = {FLAWED}\nisograde_expect = known.toml\n"
+        f"isograde_only = {' '.join(CASES)}\n",
+        encoding="utf-8",
     )
     done = pytest_of(tmp_path, *CONFORMANCE, "-k", FEW, "-q", "-rx", "-n", "2")
     assert done.returncode == 0, done.stdout
@@ -77,6 +82,10 @@ def test_a_mistake_in_the_call_is_wrong_use(tmp_path: Path) -> None:
     absent = pytest_of(tmp_path, *CONFORMANCE, *listed)
     assert "cannot be read" in absent.stdout + absent.stderr
     assert absent.returncode == 2
+    nowhere = ("--isograde", SOUND, "--isograde-only", "paris/*")
+    empty = pytest_of(tmp_path, *CONFORMANCE, *nowhere)
+    assert "nothing matches paris/*" in empty.stdout + empty.stderr
+    assert empty.returncode == 2
 
 
 OWN = """
@@ -90,7 +99,7 @@ def extract(values, isovalue, spacing):
 
 
 @isograde.parametrize_with_claims(
-    [extract], expected_failures={known}, strict=True
+    [extract], only={cases}, expected_failures={known}, strict=True
 )
 def test_my_extractor(implementation, claim):
     claim(implementation)
@@ -110,7 +119,7 @@ def test_ones_own_test_file_has_a_test_a_claim(
     method: str, known: dict[str, str], said: str, tmp_path: Path
 ) -> None:
     """An expected failure is an xfail; without the list it fails; mended, strict says so."""
-    text = OWN.format(method=method, known=known)
+    text = OWN.format(method=method, known=known, cases=CASES)
     (tmp_path / "test_mine.py").write_text(text, encoding="utf-8")
     done = pytest_of(tmp_path, "-q", "-k", FEW)
     if "deselected" in said:

@@ -24,6 +24,7 @@ claim costs little beside its judging.
 from __future__ import annotations
 
 import atexit
+import fnmatch
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
@@ -43,6 +44,8 @@ from isograde.report import words
 from isograde.report.reading import CONVENTIONS, Report, Summary
 from isograde.results import Grade
 from isograde.runner import Options, Worker, plan
+
+Only = tuple[str, ...]  # Globs on ids of claims or of cases.
 
 
 class ClaimFailed(AssertionError):  # noqa: N818 - what failed is the claim
@@ -67,11 +70,11 @@ class Judge:
     judged: dict[str, Grade]
 
     @classmethod
-    def open(cls, implementation: Implementation, stack: ExitStack) -> Judge:
+    def open(cls, implementation: Implementation, only: Only, stack: ExitStack) -> Judge:
         """A judge that is closed with the stack. Raises `AdapterError`."""
         spec = stack.enter_context(named(implementation))
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="isograde-")))
-        options = Options()
+        options = Options(only=only)
         worker = Worker.open(spec, options)
         worker.keeps = True
         stack.callback(worker.adapter.close)
@@ -79,33 +82,40 @@ class Judge:
 
     @property
     def claims(self) -> list[Claim]:
-        """The claims that some case of the plan is for."""
+        """The claims that some case of the plan is for. Raises `NothingToRun`."""
         tasks = plan(self.options, self.worker.cases, self.worker.claims)
         asked = {name for task in tasks for name in task.claims}
         return [claim for name, claim in self.worker.claims.items() if name in asked]
+
+    @property
+    def _cases(self) -> Only:
+        """The globs that choose cases, without those that choose claims."""
+        return tuple(
+            one for one in self.options.only if not fnmatch.filter(self.worker.claims, one)
+        )
 
     def grade(self, claim: str, expected: Expected | None = None) -> Grade:
         """What was found of one claim."""
         if claim not in self.judged:
             known = {} if expected is None else {claim: expected}
-            options, path = Options(only=(claim,)), self.folder / "report.jsonl"
+            options, path = Options(only=(claim, *self._cases)), self.folder / "report.jsonl"
             how = grading.Manner(resume=False, expected=known)
             report = grading.graded_by(self.worker, self.spec, options, path, how=how)
             self.judged[claim] = Grade(report)
         return self.judged[claim]
 
 
-# The judges of this process, by implementation; closed when it ends.
-_JUDGES: dict[Any, Judge] = {}
+# The judges of this process, by implementation and choice; closed when it ends.
+_JUDGES: dict[tuple[Any, Only], Judge] = {}
 _OPEN = ExitStack()
 atexit.register(_OPEN.close)
 
 
-def judge_of(implementation: Implementation) -> Judge:
+def judge_of(implementation: Implementation, only: Only) -> Judge:
     """The open judge of an implementation. Raises `AdapterError`."""
-    if implementation not in _JUDGES:
-        _JUDGES[implementation] = Judge.open(implementation, _OPEN)
-    return _JUDGES[implementation]
+    if (implementation, only) not in _JUDGES:
+        _JUDGES[implementation, only] = Judge.open(implementation, only, _OPEN)
+    return _JUDGES[implementation, only]
 
 
 @dataclass(frozen=True)
@@ -114,6 +124,7 @@ class ClaimTest:
 
     id: str
     expected: Expected | None = None
+    only: Only = ()
 
     def __call__(self, implementation: Implementation) -> None:
         """Nothing where the claim holds.
@@ -127,7 +138,7 @@ class ClaimTest:
             where there is no evidence, or where it fails and is not promised.
         """
         __tracebackhide__ = True
-        report = judge_of(implementation).grade(self.id, self.expected).report
+        report = judge_of(implementation, self.only).grade(self.id, self.expected).report
         summary = report.summaries[self.id]
         if summary.bad:
             self._failed(report, summary)
@@ -173,17 +184,21 @@ def parameters(
     known: dict[str, Expected],
     strict: bool | None = None,
     prefix: str = "",
+    only: Only = (),
 ) -> list[Any]:
-    """One parameter of pytest for each claim of an implementation. Raises `AdapterError`."""
+    """One parameter of pytest for each claim of an implementation.
+
+    Raises `AdapterError`, or `NothingToRun` where `only` leaves nothing.
+    """
     marked = {} if strict is None else {"strict": strict}
     found = []
-    for claim in judge_of(implementation).claims:
+    for claim in judge_of(implementation, only).claims:
         expected = known.get(claim.id)
         marks = []
         if expected is not None:
             reason = expected.reason
             marks.append(pytest.mark.xfail(reason=reason, raises=FailedAsExpected, **marked))
-        test = ClaimTest(claim.id, expected)
+        test = ClaimTest(claim.id, expected, only)
         found.append(pytest.param(implementation, test, id=f"{prefix}{claim.id}", marks=marks))
     return found
 
@@ -191,6 +206,7 @@ def parameters(
 def parametrize_with_claims(
     implementations: Iterable[Implementation],
     *,
+    only: Iterable[str] = (),
     expected_failures: Given = None,
     strict: bool | None = None,
 ) -> Callable[[Callable[..., Any]], Any]:
@@ -199,6 +215,8 @@ def parametrize_with_claims(
     Parameters
     ----------
     implementations : functions or names, as `isograde.grade` takes them
+    only : globs on ids of claims or of cases, as ``isograde grade --only`` takes them; all by
+        default, which takes about as long as a grade
     expected_failures : reasons by claim, or a file that ``isograde grade --write-expect`` wrote
     strict : an expected failure that does not happen fails; by default as ``xfail_strict`` says
 
@@ -208,13 +226,16 @@ def parametrize_with_claims(
         where `expected_failures` name no claim, or a known body.
     AdapterError
         where an implementation does not start.
+    NothingToRun
+        where `only` leaves no claim and no case.
     """
     if MARK in os.environ:
         return lambda test: test  # The test file is imported for a function in it.
     known = expectations(expected_failures)
     listed: Sequence[Implementation] = list(implementations)
+    chosen = tuple(only)
     rows = []
     for one in listed:
         name = one if isinstance(one, str) else name_of(one)
-        rows += parameters(one, known, strict, f"{name}-" if len(listed) > 1 else "")
+        rows += parameters(one, known, strict, f"{name}-" if len(listed) > 1 else "", chosen)
     return pytest.mark.parametrize(("implementation", "claim"), rows)

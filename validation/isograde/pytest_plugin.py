@@ -1,9 +1,11 @@
 """The options of pytest for `isograde.conformance`; all that is loaded where they are not used.
 
-On the command line ``--isograde NAME`` and ``--isograde-expect FILE``, in the ini file::
+On the command line ``--isograde NAME``, ``--isograde-only "GLOB .."`` and ``--isograde-expect FILE``,
+in the ini file::
 
     [tool.pytest.ini_options]
     isograde = "python:mymodule:extract"
+    isograde_only = "bodies/* pairs/*"
     isograde_expect = "known-failures.toml"
 """
 
@@ -44,12 +46,16 @@ class Setting:
 IMPLEMENTATION = Setting(
     "isograde", "NAME", "the implementation that pytest --pyargs isograde.conformance grades"
 )
+ONLY = Setting(
+    "isograde_only", "GLOBS", "claims or cases, as isograde grade --only takes them, with spaces"
+)
 EXPECT = Setting(
     "isograde_expect", "FILE", "failures that are known, as isograde grade --write-expect lists"
 )
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The two options are known."""
+    """The three options are known."""
     IMPLEMENTATION.add(parser)
+    ONLY.add(parser)
     EXPECT.add(parser)
