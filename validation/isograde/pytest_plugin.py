@@ -1,7 +1,7 @@
 """The options of pytest for `isograde.conformance`; all that is loaded where they are not used.
 
-On the command line ``--isograde NAME``, ``--isograde-only "GLOB .."`` and ``--isograde-expect FILE``,
-in the ini file::
+On the command line ``--isograde NAME``, ``--isograde-only "GLOB .."`` and
+``--isograde-expect FILE``, in the ini file::
 
     [tool.pytest.ini_options]
     isograde = "python:mymodule:extract"
