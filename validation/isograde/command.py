@@ -432,6 +432,31 @@ def exercise(
 
 
 @app.command()
+def submissions(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="FOLDER", help="NAME/exercise_N.py, or NAME_exercise_N.py, ..."),
+    ],
+    exercise: Annotated[
+        list[int] | None,
+        typer.Option("-e", "--exercise", metavar="N", help="Judge this one; again for more."),
+    ] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option("-o", "--out", metavar="FILE", help="The table as .csv or .md; both may be."),
+    ] = None,
+    timeout: Annotated[
+        float, typer.Option(metavar="SECONDS", min=1, help="For all calls of one submission.")
+    ] = 60.0,
+    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Judged at a time.")] = 1,
+) -> None:
+    """Judge the exercises that a class handed in: a row each, mended or what is still wrong."""
+    from isograde.commands import submitting
+
+    submitting.submissions(folder, exercise or (), out or (), timeout, jobs)
+
+
+@app.command()
 def extract(
     volume: Annotated[
         str, typer.Argument(metavar="VOLUME", help="A file, a DICOM folder, or a known data set.")

@@ -5,7 +5,8 @@ deadline, and every `TICK` seconds of waiting the memory of the child and of its
 looked up. A child that dies, hangs or grows too large ends in `Ended`, which says how.
 
 The child leads a process group of its own, and the whole group is killed with it. Its environment
-bears a mark, by which children of it are found that began a session of their own (on Linux).
+bears a mark, by which children of it are found that began a session of their own (on Linux). A
+child of a child bears the marks of both.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ class Child:
             cwd=directory,
             start_new_session=True,
             bufsize=0,
-            env={**os.environ, MARK: self._mark},
+            env={**os.environ, MARK: _nested(self._mark)},
         )
         assert self.process.stdin is not None
         assert self.process.stdout is not None
@@ -291,19 +292,29 @@ def _kill_group(process: subprocess.Popen[bytes], mark: str) -> None:
                 os.kill(pid, signal.SIGKILL)
 
 
+def _nested(mark: str) -> str:
+    """The marks of a child that is started now: those of this process, where it has any, and one.
+
+    >>> _nested("b").split()[-1]
+    'b'
+    """
+    return f"{os.environ.get(MARK, '')} {mark}".strip()
+
+
 def _marked(mark: str) -> Iterator[int]:
     """The processes whose environment has the mark: children of a child, in any session."""
     try:
         listed = [int(name) for name in os.listdir("/proc") if name.isdigit()]
     except OSError:
         listed = psutil.pids()
-    wanted = f"{MARK}={mark}".encode()
+    begin, wanted = f"{MARK}=".encode(), mark.encode()
     for pid in listed:
         try:
             environment = Path(f"/proc/{pid}/environ").read_bytes()
         except OSError:
             continue
-        if wanted in environment and not _is_dead(pid):
+        marks = [one for one in environment.split(b"\0") if one.startswith(begin)]
+        if any(wanted in one for one in marks) and not _is_dead(pid):
             yield pid
 
 
