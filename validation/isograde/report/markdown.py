@@ -81,7 +81,8 @@ def _cause(report: Report, cause: Cause) -> str:
         f"### {plain(said)}\n\n"
         f"`{summary.id}`: {summary.claim['rule']}\n\n"
         f"{words.evidence(summary)}; {words.where(cause)}. Smallest: "
-        f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}.\n\n"
+        f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}."
+        f"{' ' if cause.elsewhere else ''}{words.elsewhere(cause)}\n\n"
         f"```{language}\n{' '.join(words.reproduce(report, summary).split())}\n```"
     )
     whole = [one.summary for one in cause.follows if one.wholly]

@@ -111,6 +111,15 @@ def where(cause: Cause) -> str:
     return ", ".join(said) + (f"; so fails {listed(whole, 3)}" if whole else "")
 
 
+def elsewhere(cause: Cause) -> str:
+    """On how many of its cases the root of a cause follows from another claim; or nothing."""
+    said = [
+        f"{one.cases:,} {'follows' if one.cases == 1 else 'follow'} from {one.summary.id}"
+        for one in cause.elsewhere
+    ]
+    return f"Of its {cause.root.bad:,} cases {', '.join(said)}." if said else ""
+
+
 def _fields(count: int) -> str:
     """The noun of a count of cases."""
     return "field" if count == 1 else "fields"
