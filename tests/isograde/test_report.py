@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from isograde.adapters.registry import READY_MADE
 from isograde.claims import CLAIMS as EVERY_CLAIM
-from isograde.declaration import Conventions, Declaration
+from isograde.declaration import Conventions, Declaration, declaration_from
 from isograde.grading import contrast, grade
 from isograde.model import SURFACES, Case, Finding, Verdict
 from isograde.report import FORMATS, lines, reading, record, shown, words, write, write_whole
@@ -27,11 +27,13 @@ from isograde.report.page import page
 from isograde.report.picture import picture
 from isograde.report.reading import Report
 from isograde.report.snippet import calling, snippet
-from isograde.runner import Evidence, Judged, Options
+from isograde.runner import Evidence, Judged, Options, cases_for
 from isoref.field import Field
 from isoref.mesh import Mesh
+from isoref.methods import extract
 
-from tests.isograde.reporting import CLAIMS, body, made, row
+from tests.isograde.judging import Here
+from tests.isograde.reporting import CLAIMS, body, graded, made, row
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,22 @@ def test_every_line_fits_the_schema(path: Path) -> None:
         some = [line for line in written if line["record"] == name]
         assert some
         validator.validate(some[-1])
+
+
+@pytest.mark.parametrize("case", ["types/bool", "types/signed", "types/float16"])
+def test_samples_of_any_type_are_written_as_numbers(case: str) -> None:
+    """True and false are 1 and 0, so that the evidence of a fault on them can be read."""
+
+    def torn(values: Any, isovalue: float, spacing: Any) -> tuple[Any, Any]:
+        mesh = extract(values, isovalue, spacing)
+        return mesh.vertices, mesh.simplices[1:]
+
+    declared = declaration_from({"name": "torn", "level": 1}, "torn")
+    asked = [one for name, one in cases_for(declared, 0).items() if name == case]
+    read = graded(Here(torn, declared), "python:it:it", asked, "topology.closed")
+    shown_values = read.evidence["topology.closed"]["values"]
+    assert shown_values
+    assert all(type(one) in (int, float) for one in shown_values)
 
 
 def test_a_report_begins_with_its_header_and_ends_with_its_footer(path: Path) -> None:

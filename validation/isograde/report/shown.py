@@ -63,13 +63,14 @@ def evidence_record(
 def _field_record(field: Field, isovalues: Sequence[float]) -> JSON:
     """The samples, in the array's order, and their place; of a large field only the place."""
     values = np.asarray(field.values)
+    numbers = values.astype(np.uint8) if values.dtype == np.bool_ else values
     return {
         "shape": list(field.shape),
         "spacing": list(field.spacing),
         "origin": list(field.origin),
         "dtype": str(field.values.dtype),
         "isovalues": list(isovalues),
-        "values": values.ravel().tolist() if values.size <= SHOWN_NUMBERS else [],
+        "values": numbers.ravel().tolist() if values.size <= SHOWN_NUMBERS else [],
     }
 
 
