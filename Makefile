@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages docs clean
+.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages docs slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -25,6 +25,7 @@ help:
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make packages    wheel and sdist into dist, checked by twine"
 	@echo "make docs        the site, in docs/_build"
+	@echo "make slides      the films of the course and its slides, in docs/_build/slides"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
 	@echo "make benchmarks  speed and memory beside the peers"
 
@@ -89,6 +90,12 @@ benchmarks: $(STAMP)
 docs: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	$(BIN)/python -m sphinx -W -q -b html docs docs/_build
+
+# Beside the site, whose explorer they show; the films are those of the lessons.
+slides: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	$(BIN)/python docs/course/figures.py
+	$(BIN)/python -m sphinx -W -q -b revealjs docs/course/slides docs/_build/slides
 
 # Tables from isoref, types, and one file; the packages are pinned by docs/explorer/package-lock.json.
 explorer: $(STAMP)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib.util
 import re
+import subprocess
 import sys
 from itertools import pairwise
 from math import prod
@@ -91,6 +92,32 @@ def test_a_lesson_is_not_too_long() -> None:
     assert sum(len(one.read_text(encoding="utf-8").split()) for one in LESSONS[:FIRST]) <= 6_000
     for lesson in LESSONS[FIRST:]:
         assert 700 <= words(lesson) <= 1_250, lesson.name
+
+
+def test_the_syllabus_is_true_and_names_every_lesson() -> None:
+    """What it prints is what comes; a row for each lesson, with its title."""
+    syllabus = COURSE / "syllabus.rst"
+    assert doctest.testfile(str(syllabus), module_relative=False, encoding="utf-8").failed == 0
+    linked = re.findall(r"`([^`<]+) <lesson_(\d+)\.html>`_", syllabus.read_text(encoding="utf-8"))
+    assert [(int(n), title) for title, n in linked] == [
+        (one.number, one.title) for one in EXERCISES.values()
+    ]
+
+
+def test_slides_build_with_every_lesson_and_film_and_without_a_network(tmp_path: Path) -> None:
+    """Issue 17: slides from the same figures."""
+    pytest.importorskip("sphinx_revealjs")
+    command = ["-m", "sphinx", "-W", "-q", "-b", "revealjs", str(COURSE / "slides"), str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, *command], capture_output=True, encoding="utf-8", check=False
+    )
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    for one in EXERCISES.values():
+        assert f"isograde exercise {one.number}" in re.sub(r"<[^>]+>", "", page)
+    for film in COURSE.glob("made/film_*.html"):
+        assert film.read_text(encoding="utf-8").strip() in page
+    assert not re.findall(r"<(?:script|link|img|iframe)[^>]*(?:src|href)=\"https?:", page)
 
 
 def test_films_are_as_they_are_made_now(figures: ModuleType) -> None:
