@@ -8,15 +8,16 @@ the other end of its own, and curves are *merged*, or one that should end on the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from isograde.oracles.space_curves import KNOWN
 from isograde.reproduction import Table
-from isoref.curves import real_and_imaginary
+from isoref.curves import Curve, real_and_imaginary
 from isoref.fast import marching_faces, surface_intersection
 from isoref.fast.surface_intersection import enhanced_marching_cubes, segment_chains
 from isoref.field import Field
+from isoref.mesh import Mesh
 from isoref.plane_waves import nodal_density, random_waves
 from isoref.surface_intersection import Segments, combine_line_segments, greedy_chains
 
@@ -137,6 +138,47 @@ def joined_sentence(right: dict[str, list[float]]) -> str:
         if wrong:
             told.append(f"{threshold:g} h is wrong on {len(wrong)} of {len(right)}.")
     return " ".join([*told, "The exact joining has no such number to choose."])
+
+
+def ties(side: int, seeds: Sequence[int]) -> Table:
+    """Whole numbers, a fifth or a third of them on the isovalue: ends of curves inside the volume.
+
+    Without the motion: the same surfaces, of which nothing says on which edges their vertices are.
+    """
+    title = "Ties: ends of curves inside the volume, on whole numbers at random"
+    table = Table(title)
+    for limit in (1, 2):
+        explicit = still = faces = curves = 0
+        for seed in seeds:
+            random = np.random.default_rng(seed)
+            numbers = random.integers(-limit, limit + 1, size=(2, side, side, side))
+            pair = Field.of(numbers[0]), Field.of(numbers[1])
+            one, two = (enhanced_marching_cubes(field, 0.0) for field in pair)
+            fixed = [replace(x, mesh=Mesh(x.mesh.vertices, x.mesh.simplices)) for x in (one, two)]
+            found = surface_intersection.join_segments(
+                surface_intersection.surface_intersection(one, two)
+            )
+            curves += len(found)
+            explicit += loose(found, side)
+            still += loose(
+                surface_intersection.join_segments(
+                    surface_intersection.surface_intersection(*fixed)
+                ),
+                side,
+            )
+            faces += loose(marching_faces.intersection_curves(*pair), side)
+        what = f"{len(seeds)} pairs of {side}^3 samples, -{limit} .. {limit}"
+        table.add(f"{what}: explicit method", None, explicit, expected=0, note=f"{curves} curves")
+        table.add(f"{what}: the same without the infinitesimal motion", None, still)
+        table.add(f"{what}: Marching Faces", None, faces, expected=0)
+    return table
+
+
+def loose(curves: Sequence[Curve], side: int) -> int:
+    """How many ends of open curves are not on the border of a lattice with spacing 1."""
+    ends = [curve.points[[0, -1]] for curve in curves if not curve.closed]
+    places = np.concatenate([np.empty((0, 3)), *ends])
+    return int((~((places == 0) | (places == side - 1)).any(axis=1)).sum())
 
 
 def _listed(numbers: Sequence[float]) -> str:

@@ -233,7 +233,7 @@ def main(
     parts += growth(sides, max(2, seeds // 2), k, folder)
     numbers = (15.0, 20.0, 30.0, 45.0) if seeds > 2 else (30.0,)
     parts += [faces.report(numbers, range(max(1, seeds // 4))), misprints.report()]
-    parts += [joinings.joining(side // 2, k, range(2))]
+    parts += [joinings.joining(side // 2, k, range(2)), joinings.ties(min(side // 8, 12), range(2))]
     chosen = matching_wave_number(bounded_waves, side, 0, empty_share_of_figure_1())
     waves = Waves.of(bounded_waves((side,) * 3, chosen, seed=0), chosen, side)
     curves = surface_intersection.join_segments(waves.segments)

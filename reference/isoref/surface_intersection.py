@@ -4,7 +4,7 @@ Two surfaces of N triangles each take N^2 tests to intersect. But marching cubes
 into one voxel, and does so voxel by voxel. A running count of triangles therefore tells which
 triangles a voxel holds, and only triangles of one voxel need be tested: about sqrt(N) tests.
 
-The tests are made in rational arithmetic, so that no sign is ever in doubt: a float is a fraction.
+The tests are made in whole numbers, so that no sign is ever in doubt: a float is a fraction.
 `isoref.fast.surface_intersection` is the vectorised twin: the same segments up to rounding, in the
 same order, with the same nodes up to their names.
 
@@ -19,27 +19,47 @@ e           a mesh edge, from corner e of its triangle to the next
 node        where an edge of one surface meets a triangle, or an edge, of the other
 entry, exit where the line common to two planes enters and leaves a triangle, seen along D
 D           N_1 x N_2, the direction of that line; N_i the normals, from high to low
+epsilon     an infinitesimal: smaller than any number, as long as signs are asked for
 
-Touching triangles
-------------------
-Signs are exact, also where floating-point numbers cannot tell. A point exactly in the plane of a
-triangle counts as *behind* it, on the inside, as if the isovalue were lower by an infinitesimal:
-the convention for samples (value >= isovalue is inside), carried over. Hence
+Touching surfaces
+-----------------
+Where samples tie, vertices of both surfaces come to one place, edges cross edges, triangles lie in
+one plane or have no area, and what meets what has no answer. So nobody asks it. Each vertex moves
+by an infinitesimal, along its lattice edge, and the surfaces that are intersected are these::
 
-- coplanar triangles have no segment;
-- an edge that lies in a triangle is a segment for the one of its two triangles that rises in front;
-- a triangle that touches another with one corner has none, or one of no length, which holds its
-  neighbours together and leaves no point of its own in a curve;
-- identical surfaces have segments along their concave edges, each once either way. Segments that
-  run both ways are contact, not crossing: joining leaves them out, and there is no curve;
-- surfaces that are the same but for rounding, or but for the way they face, have curves, or pieces
-  of them, along their edges: the last bits decide which. `isoref.marching_faces` has whole curves
-  there, or none.
+    first surface       p + epsilon u + epsilon^3 c u     u: along the lattice edge of the vertex,
+    second surface      p + epsilon^2 u + epsilon^3 c u      to its outside end (from there inwards)
+
+As if both isovalues were a little lower, that is, the first by much more than the second; and since
+that alone may leave some coincidence, each vertex has a number c of its own besides. Vertices stay
+on their edges, so triangles stay in their voxels and in one piece with their neighbours: the moved
+surfaces are as closed as the given ones. This is simulation of simplicity [3]: four points of both
+surfaces have a sign that is not 0, unless all four lie in one face of a voxel, or their numbers c
+happen to cancel (c is hashed to 32 bits; no case is known).
+
+The symbol needs no algebra. A determinant of three differences is a polynomial in epsilon whose
+coefficients are integers, once all coordinates are; with epsilon = 2^-K, and 2^K greater than any
+coefficient, the first that is not 0 outweighs all that follow, so that the sign is the symbol's.
+
+Segments are returned where they stand as epsilon goes to 0. There a curve may run along an edge
+and back, where surfaces touched: joining leaves both ways out. And since a vertex can only move
+along its edge, which need not lead to the front of all its triangles, moved twins of one surface
+may cross here and there: a curve all of whose segments lie in triangles that both surfaces have is
+left out as well. Hence
+
+- identical surfaces have no curve;
+- where surfaces share a piece, their curve runs along its rim;
+- surfaces that are the same but for rounding have curves, or pieces of them, along their edges: the
+  last bits decide which.
+
+Triangles that stand on no lattice (made by hand) do not move. A point in the plane of such a
+triangle counts as behind it, on the inside.
 
 Invariants
 ----------
-Segments and curves run along ``grad psi_1 x grad psi_2``. Where no vertex of one surface lies
-exactly on the other, every node has one segment in and one out, or lies on the border.
+Segments and curves run along ``grad psi_1 x grad psi_2``. Every node has one segment in and one
+out, or lies on the border of the lattice, ties or not. (A triangle of a hand-made rule that lies
+flat in a face of its voxel breaks that; the rules of this package have none.)
 
 References
 ----------
@@ -47,28 +67,36 @@ References
     grids, sections 4 and 5, tables 2 and 3, eq. 1, appendix A.
 [2] P. Guigue, O. Devillers, Fast and robust triangle-triangle overlap test using orientation
     predicates, J. Graphics Tools 8, 2003: order on the common line by signs of tetrahedra.
+[3] H. Edelsbrunner, E. P. Muecke, Simulation of simplicity, ACM Transactions on Graphics 9, 1990.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isoref import asymptotic_decider
 from isoref.curves import Curve, check_pair, curves_through, follow
-from isoref.field import Field, Floats, Integers
+from isoref.field import Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
 from isoref.rule import Rule
 from isoref.sweep import sweep
 
 Point = tuple[Fraction, Fraction, Fraction]
 Triangle = Sequence[Point]
+Whole = NDArray[np.object_]
+
+#: A vertex's own number c has so many bits; positions along an edge are rounded to so many.
+OWN_BITS = 32
+PLACE_BITS = 128
 
 # --------------------------------------------------------------------------------------------
 # Section 4.1: enhanced marching cubes
@@ -90,6 +118,44 @@ class IndexedSurface:
     cells: Integers
     shape: tuple[int, ...]
 
+    @cached_property
+    def motion(self) -> Floats:
+        """(V, 3) u: how each vertex moves, per epsilon; zero where the mesh has no lattice.
+
+        On a lattice edge to its outside end, the one with the lesser sample, or from there inwards;
+        inside a cell by the mean of what its neighbours on edges do, and off the cell's skin.
+        """
+        found = self.mesh.provenance
+        if found is None:
+            return np.zeros_like(self.mesh.vertices)
+        low, high = found.ends.T
+        samples = found.field.values.reshape(-1)
+        outside, inside = np.where(samples[low] < samples[high], (low, high), (high, low))
+        at, other = (
+            np.array(np.unravel_index(np.where(high < 0, low, end), found.field.shape)).T
+            for end in (outside, inside)
+        )
+        u = (at - other) * np.asarray(found.field.spacing)
+        there = (self.mesh.vertices == found.field.position(at)).all(axis=1)
+        u[there] *= -1
+        inner = high < 0
+        u = _led(u, self.mesh.simplices, inner)
+
+        # Move what stands on the skin of its cell to the middle of the cell as well.
+        for end, way in ((0, 1), (1, -1)):
+            skin = found.field.position(other + end)
+            on_skin = inner[:, None] & (self.mesh.vertices == skin)
+            u += on_skin * way * np.asarray(found.field.spacing)
+        return u
+
+    @cached_property
+    def own_number(self) -> Integers:
+        """(V,) c, hashed from the vertex's rank in the order in which triangles name them."""
+        used, first = np.unique(self.mesh.simplices, return_index=True)
+        rank = np.zeros(len(self.mesh.vertices), np.int64)
+        rank[used[np.argsort(first)]] = np.arange(len(used))
+        return (rank + 1) * 0x9E3779B1 % (1 << OWN_BITS)
+
     def count_through(self, k: Integers | int) -> Integers:
         """I_T(k), for any integers k: 0 before the first voxel, |T| from the last one on."""
         return np.asarray(np.searchsorted(self.cells, k, side="right"), np.int64)
@@ -103,6 +169,17 @@ class IndexedSurface:
         counts = np.bincount(np.bincount(self.cells)) if len(self.cells) else np.zeros(1, np.int64)
         counts[0] = int(np.prod(self.shape)) - counts[1:].sum()
         return counts.astype(np.int64)
+
+
+def _led(u: Floats, triangles: Integers, inside: NDArray[np.bool_]) -> Floats:
+    """The motions u (V, 3), those of vertices `inside` cells led by their neighbours on edges."""
+    sides = np.unique(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=0)
+    sides = np.unique(np.concatenate([sides, sides[:, ::-1]]), axis=0)
+    start, stop = sides[inside[sides[:, 0]] & ~inside[sides[:, 1]]].T
+    led = np.where(inside[:, None], 0.0, u)
+    np.add.at(led, start, u[stop])
+    led[inside] /= np.maximum(np.bincount(start, minlength=len(u))[inside], 1)[:, None]
+    return led
 
 
 def enhanced_marching_cubes(
@@ -133,12 +210,14 @@ class Segments:
     nodes : (S, 2) the node each end stands on; equal where the same mesh parts meet
     cells : (S,) the voxel, ascending; I_L is its running count
     tests : number of pairs of triangles that were tested
+    contact : (S,) whether both triangles are shared: the other surface has one on the same corners
     """
 
     ends: Floats
     nodes: Integers
     cells: Integers
     tests: int
+    contact: Booleans | None = None
 
     def count_through(self, k: Integers | int) -> Integers:
         """I_L(k), the number of segments in the voxels up to and including k."""
@@ -168,54 +247,115 @@ def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segme
     """
     if first.shape != second.shape:
         raise ValueError(f"surfaces of {first.shape} and {second.shape} voxels share no voxels")
-    a, b = exact_triangles(first.mesh), exact_triangles(second.mesh)
+    places = [[rational(vertex) for vertex in one.mesh.vertices] for one in (first, second)]
+    moved = moved_points(first, second)
+    rows = first.mesh.simplices.tolist(), second.mesh.simplices.tolist()
     tests = 0
     ends: list[list[list[float]]] = []
     nodes: list[list[int]] = []
     cells: list[int] = []
+    pairs: list[tuple[int, int]] = []
+    shared: tuple[set[int], set[int]] = set(), set()
     number: dict[Hashable, int] = {}
     for k in range(int(np.prod(first.shape))):
         # Test the triangles of this voxel, each of one surface with each of the other.
         for i in range(int(first.count_through(k - 1)), int(first.count_through(k))):
             for j in range(int(second.count_through(k - 1)), int(second.count_through(k))):
                 tests += 1
-                meeting = triangle_intersection(a[i], b[j])
+                a, b = rows[0][i], rows[1][j]
+                if {places[0][v] for v in a} == {places[1][v] for v in b}:
+                    shared[0].add(i)
+                    shared[1].add(j)
+                meeting = triangle_intersection(
+                    [places[0][v] for v in a],
+                    [places[1][v] for v in b],
+                    [moved[0][v] for v in a],
+                    [moved[1][v] for v in b],
+                )
                 if meeting is None:
                     continue
 
                 # Note the segment, and name its nodes by what makes them.
                 names = [
-                    (edge_name(a[i], end.edge_a, i), edge_name(b[j], end.edge_b, j))
-                    for end in meeting
+                    (edge_name(a, end.edge_a, i), edge_name(b, end.edge_b, j)) for end in meeting
                 ]
                 nodes.append([number.setdefault(name, len(number)) for name in names])
                 ends.append([[float(x) for x in end.place] for end in meeting])
                 cells.append(k)
+                pairs.append((i, j))
     return Segments(
         np.array(ends, np.float64).reshape(-1, 2, 3),
         np.array(nodes, np.int64).reshape(-1, 2),
         np.array(cells, np.int64),
         tests,
+        np.array([i in shared[0] and j in shared[1] for i, j in pairs], np.bool_),
     )
 
 
-def exact_triangles(mesh: Mesh) -> list[list[Point]]:
-    """The corners of each triangle, exactly."""
-    points = [rational(vertex) for vertex in mesh.vertices]
-    return [[points[v] for v in triangle] for triangle in mesh.simplices.tolist()]
+def moved_points(first: IndexedSurface, second: IndexedSurface) -> tuple[list[Any], list[Any]]:
+    """The vertices of both surfaces after their motion, in whole numbers of one unit."""
+    count = len(first.mesh.vertices)
+    points = moved(
+        np.concatenate([first.mesh.vertices, second.mesh.vertices]),
+        np.concatenate([first.motion, second.motion]),
+        np.repeat([1, 2], [count, len(second.mesh.vertices)]),
+        np.concatenate([first.own_number, second.own_number]),
+    ).tolist()
+    return points[:count], points[count:]
 
 
-def edge_name(triangle: Triangle, e: int, number: int) -> Hashable:
-    """A name for edge e that all triangles at the edge share; for e = -1 the triangle's number."""
+def moved(places: Floats, motion: Floats, order: Integers, own: Integers) -> Whole:
+    """(N, 3) ``p + epsilon^order u + epsilon^3 c u``, in whole numbers of one unit.
+
+    epsilon is 2^-K. Differences of coordinates are below 2^(bits + 1), of u c below
+    2^(bits + 1 + OWN_BITS), and a coefficient of a determinant is a sum of 6 products of three
+    such terms, each in at most 16 ways: below 2^(K - 1).
+
+    >>> place, motion = np.array([[0.5, 0, 0]]), np.array([[1.0, 0, 0]])
+    >>> half, more = (
+    ...     moved(place, u, np.array([1]), np.array([0]))[0, 0] for u in (0 * motion, motion)
+    ... )
+    >>> half < more
+    True
+    """
+    (p, u), _, bits = scaled(np.stack([places, motion]))
+    K = 3 * (bits + 1 + OWN_BITS) + 8
+    shift = ((3 - order) * K).astype(object)[:, None]
+    return np.asarray((p << 3 * K) + (u << shift) + u * own.astype(object)[:, None])
+
+
+def scaled(numbers: Floats) -> tuple[Whole, int, int]:
+    """The numbers exactly: whole ones, the power of two they are times, and their most bits.
+
+    >>> scaled(np.array([0.75, -2.0]))[0] / 2**53
+    array([0.75, -2.0], dtype=object)
+    """
+    mantissa, exponent = np.frexp(numbers)
+    there = exponent[mantissa != 0]
+    least, most = (int(there.min()), int(there.max())) if there.size else (0, 0)
+    shift = np.where(mantissa != 0, exponent - least, 0).astype(object)
+    whole = np.ldexp(mantissa, 53).astype(np.int64).astype(object) << shift
+    return np.asarray(whole), least - 53, most - least + 53
+
+
+def edge_name(triangle: Sequence[int], e: int, number: int) -> Hashable:
+    """A name for edge e that both triangles at the edge share; for e = -1 the triangle's number."""
     return number if e < 0 else frozenset((triangle[e], triangle[(e + 1) % 3]))
 
 
-def triangle_intersection(a: Triangle, b: Triangle) -> tuple[End, End] | None:
+def triangle_intersection(
+    a: Triangle, b: Triangle, moved_a: Sequence[Any] = (), moved_b: Sequence[Any] = ()
+) -> tuple[End, End] | None:
     """Where two triangles meet: the segment from start to end along D, or None.
 
     The line common to both planes passes each triangle from an entry to an exit; the segment is
-    what both passages share. Points in a triangle's plane count as behind it; see the module's
-    text for what follows.
+    what both passages share.
+
+    Parameters
+    ----------
+    a, b : corners, exactly
+    moved_a, moved_b : where they stand after their motion, in whole numbers of one unit; by
+        default where they are. Signs are asked of these. A point in a plane is behind it
 
     >>> flat = [rational(p) for p in ((0, 0, 0), (4, 0, 0), (0, 4, 0))]
     >>> wall = [rational(p) for p in ((1, 1, -1), (1, 2, 1), (1, 1, 1))]
@@ -225,30 +365,35 @@ def triangle_intersection(a: Triangle, b: Triangle) -> tuple[End, End] | None:
     True
     """
     # Find the edges by which each triangle passes the plane of the other.
-    span_a, span_b = passages(a, b), passages(b, a)
+    p, q = moved_a or a, moved_b or b
+    span_a, span_b = passages(a, p, q), passages(b, q, p)
     if span_a is None or span_b is None:
         return None
 
-    # Order the passages along D: the first triangle is entered where it passes to the front of
-    # the second, and the second is left where it passes to the front of the first.
+    # Order the passages along D by signs of tetrahedra: the first triangle is entered where it
+    # passes to the front of the second, and the second is left where it passes to the front of
+    # the first.
     (entry_a, exit_a), (exit_b, entry_b) = span_a, span_b
-    D = _cross(_normal(a), _normal(b))
-    in_a, out_a, in_b, out_b = (
-        _dot(passage.place, D) for passage in (entry_a, exit_a, entry_b, exit_b)
-    )
-    if in_a >= out_b or in_b >= out_a:
+
+    def beyond(one: Passage, other: Passage) -> Any:
+        """Positive where the edge of a is passed before that of b, along D."""
+        (e, f), (g, h) = ((passage.edge, (passage.edge + 1) % 3) for passage in (one, other))
+        return orientation(p[e], p[f], q[g], q[h])
+
+    if beyond(entry_a, exit_b) <= 0 or beyond(exit_a, entry_b) >= 0:
         return None
 
     # Take the later entry and the earlier exit; both, where they coincide.
+    late, early = beyond(entry_a, entry_b), beyond(exit_a, exit_b)
     start = End(
-        (entry_a if in_a >= in_b else entry_b).place,
-        entry_a.edge if in_a >= in_b else -1,
-        entry_b.edge if in_b >= in_a else -1,
+        (entry_a if late >= 0 else entry_b).place,
+        entry_a.edge if late >= 0 else -1,
+        entry_b.edge if late <= 0 else -1,
     )
     stop = End(
-        (exit_a if out_a <= out_b else exit_b).place,
-        exit_a.edge if out_a <= out_b else -1,
-        exit_b.edge if out_b <= out_a else -1,
+        (exit_a if early <= 0 else exit_b).place,
+        exit_a.edge if early <= 0 else -1,
+        exit_b.edge if early >= 0 else -1,
     )
     return start, stop
 
@@ -260,31 +405,40 @@ class Passage(NamedTuple):
     edge: int
 
 
-def passages(own: Triangle, other: Triangle) -> tuple[Passage, Passage] | None:
-    """Where the boundary of `own` passes the plane of `other`: to its front, then to its back.
+def passages(
+    own: Triangle, moved_own: Sequence[Any], moved_other: Sequence[Any]
+) -> tuple[Passage, Passage] | None:
+    """Where the boundary of `own` passes the plane of the other: to its front, then to its back.
 
     None where all of `own` is on one side; in the plane is behind it.
     """
     # See which corners are in front of the plane.
-    x, y, z = other
-    height = [orientation(x, y, z, p) for p in own]
+    x, y, z = moved_other
+    height = [orientation(x, y, z, point) for point in moved_own]
 
     # Find the edges between front and back, and where they pass.
     found: dict[bool, Passage] = {}
     for e in range(3):
         low, high = height[e], height[(e + 1) % 3]
         if (low > 0) != (high > 0):
-            p, q, t = own[e], own[(e + 1) % 3], low / (low - high)
-            place = (
-                p[0] + t * (q[0] - p[0]),
-                p[1] + t * (q[1] - p[1]),
-                p[2] + t * (q[2] - p[2]),
-            )
-            found[high > 0] = Passage(place, e)
+            found[high > 0] = Passage(passage(own[e], own[(e + 1) % 3], low, high), e)
     return (found[True], found[False]) if found else None
 
 
-def orientation(a: Point, b: Point, c: Point, d: Point) -> Fraction:
+def passage(start: Point, stop: Point, low: Any, high: Any) -> Point:
+    """Where an edge has height 0, as epsilon goes to 0: its ends, and their heights.
+
+    A ratio of heights is that far from its limit that epsilon tells, so it is rounded.
+
+    >>> [float(x) for x in passage(rational((0, 0, 0)), rational((1, 0, 0)), 1, -1)]
+    [0.5, 0.0, 0.0]
+    """
+    t = Fraction(round(Fraction(low, low - high) * 2**PLACE_BITS), 2**PLACE_BITS)
+    x, y, z = (p + t * (q - p) for p, q in zip(start, stop, strict=True))
+    return x, y, z
+
+
+def orientation(a: Any, b: Any, c: Any, d: Any) -> Any:
     """``det[b - a, c - a, d - a]``, exactly: positive where d is in front of triangle abc."""
     return _dot(_cross(_minus(b, a), _minus(c, a)), _minus(d, a))
 
@@ -295,24 +449,19 @@ def rational(point: Floats | tuple[float, ...]) -> Point:
     return x, y, z
 
 
-def _minus(p: Point, q: Point) -> Point:
+def _minus(p: Any, q: Any) -> Any:
     """The vector from q to p."""
     return p[0] - q[0], p[1] - q[1], p[2] - q[2]
 
 
-def _cross(u: Point, v: Point) -> Point:
+def _cross(u: Any, v: Any) -> Any:
     """The cross product."""
     return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
-def _dot(u: Point, v: Point) -> Fraction:
+def _dot(u: Any, v: Any) -> Any:
     """The scalar product."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-def _normal(triangle: Triangle) -> Point:
-    """The right-hand normal, not scaled."""
-    return _cross(_minus(triangle[1], triangle[0]), _minus(triangle[2], triangle[0]))
 
 
 # --------------------------------------------------------------------------------------------
@@ -440,9 +589,9 @@ class _Neighbourhood:
 def join_segments(segments: Segments) -> list[Curve]:
     """The segments in order along their curves, by the identity of their nodes.
 
-    A segment is followed by the one that starts on the node it ends on. Ends that are left over
-    (vertices of one surface exactly on the other) are joined where their coordinates are equal,
-    bit for bit. No tolerance is involved. Segments that run both ways are left out.
+    A segment is followed by the one that starts on the node it ends on; no tolerance is involved.
+    Where a curve runs back where it came from, both ways are left out, and so is a curve that runs
+    in shared triangles alone: there is contact, not crossing.
     """
     return curves_along(segments, segment_chains(segments))
 
@@ -459,34 +608,44 @@ def curves_along(segments: Segments, chains: list[tuple[Integers, bool]]) -> lis
 
 def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
     """The indices of the segments along each curve, and whether it is closed."""
-    # Name the ends twice: by what makes them and by where they are, negative zeros as zeros.
-    nodes = [tuple(pair) for pair in segments.nodes.tolist()]
-    places = [(tuple(start), tuple(stop)) for start, stop in (segments.ends + 0.0).tolist()]
+    # Link each end to the first free start on its node.
+    waiting = defaultdict(list)
+    for s, (start, _) in enumerate(segments.nodes.tolist()):
+        waiting[start].append(s)
+    after = [waiting[stop].pop(0) if waiting[stop] else -1 for _, stop in segments.nodes.tolist()]
 
-    # Leave out the segments that run both ways equally often: contact, not crossing.
-    runs = Counter(places)
-    crossing = [
-        s
-        for s, (start, stop) in enumerate(places)
-        if start == stop or runs[start, stop] != runs[stop, start]
-    ]
+    # Follow the links; leave out contact, and what runs back.
+    kept = []
+    for chain, closed in follow(np.array(after, np.int64)):
+        if segments.contact is None or not segments.contact[chain].all():
+            left = without_returns(segments.ends[chain], closed)
+            if len(left):
+                kept.append((chain[left], closed))
+    return kept
 
-    # Link each free end to the first free start of the same name.
-    successor = dict.fromkeys(crossing, -1)
-    for names in (nodes, places):
-        taken = set(successor.values())
-        waiting = defaultdict(list)
-        for s in crossing:
-            if s not in taken:
-                waiting[names[s][0]].append(s)
-        for s in crossing:
-            if successor[s] < 0 and waiting[names[s][1]]:
-                successor[s] = waiting[names[s][1]].pop(0)
 
-    # Follow the links.
-    row = {s: n for n, s in enumerate(crossing)}
-    after = np.array([row.get(successor[s], -1) for s in crossing], np.int64)
-    return [(np.array(crossing, np.int64)[chain], closed) for chain, closed in follow(after)]
+def without_returns(ends: Floats, closed: bool) -> Integers:
+    """Which segments (N, 2, 3) of a chain are left when those that run back are left out.
+
+    A segment and the next one that runs exactly back cancel, as often as it happens; segments of
+    no length count for nothing. A closed chain has no beginning, so its ends are compared too.
+
+    >>> there = np.array([[[0.0, 0, 0], [1, 0, 0]]])
+    >>> without_returns(np.concatenate([there, there[:, ::-1], there]), closed=False).tolist()
+    [2]
+    """
+    places = [(tuple(start), tuple(stop)) for start, stop in (ends + 0.0).tolist()]
+    left: list[int] = []
+    for s, (start, stop) in enumerate(places):
+        if start == stop:
+            continue
+        if left and places[left[-1]] == (stop, start):
+            left.pop()
+        else:
+            left.append(s)
+    while closed and len(left) > 1 and places[left[-1]] == places[left[0]][::-1]:
+        left = left[1:-1]
+    return np.array(left, np.int64)
 
 
 # --------------------------------------------------------------------------------------------

@@ -36,7 +36,7 @@ def test_the_running_count_has_the_paper_s_border_conditions() -> None:
 def test_the_greedy_joining_needs_its_threshold() -> None:
     """Section 5: a maximum distance to allow connection of two end points."""
     ends = np.array([[[0.0, 0, 0], [1, 0, 0]], [[1.1, 0, 0], [2, 0, 0]], [[2, 0, 0], [3, 0, 0]]])
-    segments = Segments(ends, np.arange(6).reshape(3, 2), np.array([0, 1, 2]), 3)
+    segments = Segments(ends, np.array([[0, 1], [2, 3], [3, 4]]), np.array([0, 1, 2]), 3)
     assert len(combine_line_segments(segments, (3, 1, 1), 0.2)) == 1
     apart = combine_line_segments(segments, (3, 1, 1), 0.05)
     assert sorted(len(c.points) for c in apart) == [2, 3]

@@ -94,6 +94,13 @@ def test_the_three_ways_of_joining_agree(module: Callable[[str], ModuleType]) ->
     assert identity[0] == faces[0]
 
 
+def test_whole_numbers_leave_no_loose_end(module: Callable[[str], ModuleType]) -> None:
+    """Neither method has one; without the infinitesimal motion there would be some."""
+    rows = module("ljung_joining").ties(7, [0]).rows
+    assert [row.ours for row in rows if row.expected is not None] == [0] * 4
+    assert all(row.ours > 0 for row in rows if row.expected is None)
+
+
 @pytest.mark.slow
 def test_the_greedy_joining_is_right_between_rounding_and_the_distance_of_curves(
     module: Callable[[str], ModuleType],
@@ -140,7 +147,7 @@ def test_the_whole_program_runs_without_real_data(
     report = tmp_path / "ljung_ynnerman.md"
     tables = reproduce.main(24, (13, 17, 25), 2, report)
     text = report.read_text(encoding="utf-8")
-    assert len(tables) == 9
+    assert len(tables) == 10
     assert "## Ambiguous faces: the rules beside the true field" in text
     assert "readings fit the print" in text
     assert "## The greedy joining's threshold" in text

@@ -1,8 +1,8 @@
 """Surface intersection, vectorised: the segments and curves of `isoref.surface_intersection`.
 
-All pairs of triangles that share a voxel are listed and tested at once. Signs are those of exact
-arithmetic all the same: floating-point numbers decide where their error bound [1] lets them, and
-rational arithmetic decides the rest.
+All pairs of triangles that share a voxel are listed and tested at once. Signs are those of the
+article all the same: floating-point numbers decide where their error bound [1] lets them; what is
+left, ties among it, is decided after the article's motion, in whole numbers of any length.
 
 References
 ----------
@@ -14,10 +14,6 @@ References
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +23,7 @@ from isoref.curves import Curve, check_pair, follow
 from isoref.fast.sweep import sweep
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.rule import Rule
-from isoref.surface_intersection import IndexedSurface, Segments, curves_along, rational
+from isoref.surface_intersection import IndexedSurface, Segments, curves_along
 
 
 def enhanced_marching_cubes(
@@ -58,104 +54,175 @@ def surface_intersection(first: IndexedSurface, second: IndexedSurface) -> Segme
     """The segments of table 2; see `isoref.surface_intersection.surface_intersection`."""
     i, j = candidate_pairs(first, second)
     tests = len(i)
-    a, b = (s.mesh.vertices[s.mesh.simplices[t]] for s, t in ((first, i), (second, j)))
+    pairs = _Pairs(first, second, i, j)
+    shared = pairs.shared()
     # Keep pairs of which each triangle has corners on both sides of the other's plane.
-    signs_a = signs_beside(b, a)
-    alive = np.flatnonzero(_mixed(signs_a > 0))
-    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
-    signs_b = signs_beside(a, b)
-    alive = np.flatnonzero(_mixed(signs_b > 0))
-    i, j, a, b, signs_a = i[alive], j[alive], a[alive], b[alive], signs_a[alive]
-    signs_b = signs_b[alive]
-    entry_a, exit_a = _passages(signs_a > 0)
-    exit_b, entry_b = _passages(signs_b > 0)
+    pairs = pairs.of(np.flatnonzero(_mixed(pairs.front(0))))
+    pairs = pairs.of(np.flatnonzero(_mixed(pairs.front(1))))
+    (entry_a, exit_a), (exit_b, entry_b) = (_passages(pairs.front(side)) for side in (0, 1))
 
     # Order entries and exits along D; keep pairs whose intervals overlap.
-    def order(edge_a: Integers, edge_b: Integers) -> Integers:
-        return orientation(_edge(a, edge_a), _edge(b, edge_b))
-
-    alive = np.flatnonzero((order(entry_a, exit_b) > 0) & (order(exit_a, entry_b) < 0))
-    starts, stops = order(entry_a, entry_b), -order(exit_a, exit_b)
-    sides = (_Side(first, i, a, b, signs_a), _Side(second, j, b, a, signs_b))
+    alive = np.flatnonzero((pairs.order(entry_a, exit_b) > 0) & (pairs.order(exit_a, entry_b) < 0))
+    pairs = pairs.of(alive)
+    entry_a, exit_a, entry_b, exit_b = (e[alive] for e in (entry_a, exit_a, entry_b, exit_b))
+    starts, stops = pairs.order(entry_a, entry_b), -pairs.order(exit_a, exit_b)
     ends, keys = zip(
         *(
-            _nodes(sides, edge_a, edge_b, later)
-            for edge_a, edge_b, later in ((entry_a, entry_b, starts), (exit_a, exit_b, stops))
+            pairs.nodes(*passage)
+            for passage in ((entry_a, entry_b, starts), (exit_a, exit_b, stops))
         ),
         strict=True,
     )
-    nodes = names_of_rows(np.stack(keys, axis=1)[alive].reshape(-1, 4))
-    return Segments(
-        np.stack(ends, axis=1)[alive],
-        nodes.reshape(-1, 2),
-        first.cells[i[alive]],
-        tests,
-    )
+    nodes = names_of_rows(np.stack(keys, axis=1).reshape(-1, 4))
+    i, j = pairs.triangles
+    contact = shared[0][i] & shared[1][j]
+    return Segments(np.stack(ends, axis=1), nodes.reshape(-1, 2), first.cells[i], tests, contact)
 
 
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """One surface's triangles of the pairs, with corners `own`, and those they meet.
+class _Pairs:
+    """Pairs of triangles, one of each surface, and the signs asked of their corners.
 
-    `signs` says where each corner is: in front of the other's plane, in it, or behind.
+    A corner is named by its side (0 or 1, the surface) and its vertex there, (P,) numbers.
     """
 
-    surface: IndexedSurface
-    triangles: Integers
-    own: Floats
-    other: Floats
-    signs: Integers
+    def __init__(
+        self, first: IndexedSurface, second: IndexedSurface, i: Integers, j: Integers
+    ) -> None:
+        self.surfaces = first, second
+        self.triangles = i, j
+        self.corners = first.mesh.simplices[i], second.mesh.simplices[j]
+        self.known: dict[tuple[int, int], Integers] = {}
 
-    def name(self, edge: Integers) -> Integers:
-        """(P, 2) the two ends of edge `edge` of each triangle, by name, ascending."""
-        ends = np.stack([edge, (edge + 1) % 3], axis=1)
-        return np.sort(np.take_along_axis(self.corners, ends, axis=1), axis=1)
+    def of(self, kept: Integers) -> _Pairs:
+        """Some of the pairs, with what is known of them."""
+        left = _Pairs(*self.surfaces, self.triangles[0][kept], self.triangles[1][kept])
+        left.known = {corner: signs[kept] for corner, signs in self.known.items()}
+        return left
 
-    @cached_property
-    def corners(self) -> Integers:
-        """(P, 3) names of the corners; vertices at one place, on different edges, share one."""
-        used, inverse = np.unique(
-            self.surface.mesh.simplices[self.triangles].reshape(-1), return_inverse=True
+    def shared(self) -> tuple[Booleans, Booleans]:
+        """Which triangles of each surface are on the same corners as one of the other's."""
+        # Look at those alone that reach from the same places to the same places.
+        alike = np.ones(len(self.triangles[0]), bool)
+        for axis in range(3):
+            a, b = (
+                one.mesh.vertices[:, axis][corners]
+                for one, corners in zip(self.surfaces, self.corners, strict=True)
+            )
+            alike &= (a.min(axis=1) == b.min(axis=1)) & (a.max(axis=1) == b.max(axis=1))
+        rows = np.flatnonzero(alike)
+        a, b = (
+            one.mesh.vertices[corners[rows]]
+            for one, corners in zip(self.surfaces, self.corners, strict=True)
         )
-        # Adding zero makes negative zeros positive.
-        places = self.surface.mesh.vertices[used] + 0.0
-        _, names = np.unique(places, axis=0, return_inverse=True)
-        return np.asarray(names.reshape(-1)[inverse.reshape(-1)].reshape(-1, 3))
+        same = (a[:, :, None] == b[:, None]).all(axis=3)
+        rows = rows[same.any(axis=1).all(axis=1) & same.any(axis=2).all(axis=1)]
+        found = tuple(np.zeros(len(one.mesh.simplices), bool) for one in self.surfaces)
+        for marks, triangles in zip(found, self.triangles, strict=True):
+            marks[triangles[rows]] = True
+        return found[0], found[1]
 
-    def crossing(self, edge: Integers) -> tuple[Floats, Booleans]:
-        """(P, 3) where the edge meets the plane of the other, and whether a corner stands there."""
-        ends = _edge(self.own, edge)
-        normal = np.cross(self.other[:, 1] - self.other[:, 0], self.other[:, 2] - self.other[:, 0])
-        level = np.take_along_axis(self.signs, np.stack([edge, (edge + 1) % 3], axis=1), axis=1)
-        height = np.einsum("pij,pj->pi", ends - self.other[:, :1], normal)
-        # Start from the nearer end, so that an end exactly in the plane is met exactly.
-        near = np.where(level == 0, -1.0, np.abs(height)).argmin(axis=1)
-        rows = np.arange(len(near))
-        in_plane = level[rows, near] == 0
-        low, high = np.where(in_plane, 0, height[rows, near]), height[rows, 1 - near]
-        t = np.divide(low, low - high, out=np.zeros_like(low), where=low != high)
-        p, q = ends[rows, near], ends[rows, 1 - near]
-        return p + np.clip(t, 0, 1)[:, None] * (q - p), in_plane
+    def front(self, side: int) -> Booleans:
+        """(P, 3) which corners on this side are in front of the other triangle's plane."""
+        return np.stack([self.height(side, c) > 0 for c in range(3)], axis=1)
+
+    def height(self, side: int, c: int) -> Integers:
+        """(P,) the sign of corner c over the other triangle's plane."""
+        if (side, c) not in self.known:
+            plane = [(1 - side, self.corners[1 - side][:, k]) for k in range(3)]
+            self.known[side, c] = self.sign([*plane, (side, self.corners[side][:, c])])
+        return self.known[side, c]
+
+    def order(self, edge_a: Integers, edge_b: Integers) -> Integers:
+        """(P,) the sign of the tetrahedron of an edge of each triangle."""
+        return self.sign([*self.ends(0, edge_a), *self.ends(1, edge_b)])
+
+    def ends(self, side: int, edge: Integers) -> list[tuple[int, Integers]]:
+        """The two corners of an edge of each triangle."""
+        rows = np.arange(len(edge))
+        return [(side, self.corners[side][rows, (edge + k) % 3]) for k in (0, 1)]
+
+    def sign(self, points: list[tuple[int, Integers]]) -> Integers:
+        """(P,) the sign of `isoref.surface_intersection.orientation` after the motion."""
+        places = [self.surfaces[side].mesh.vertices[v] for side, v in points]
+        sign, unsure = orientation(*places)
+        if len(unsure):
+            # Leave out what lies in one plane of the lattice, and stays there.
+            still = np.ones((len(unsure), 3), bool)
+            for (side, v), place in zip(points, places, strict=True):
+                still &= place[unsure] == places[0][unsure]
+                still &= self.surfaces[side].motion[v[unsure]] == 0
+            sign[unsure] = 0
+            unsure = unsure[~still.any(axis=1)]
+            exact = article.orientation(*self.moved(points, unsure).transpose(0, 2, 1))
+            sign[unsure] = (exact > 0).astype(np.int64) - (exact < 0).astype(np.int64)
+        return sign
+
+    def moved(self, points: list[tuple[int, Integers]], rows: Integers) -> NDArray[np.object_]:
+        """(4, R, 3) the points of some pairs after their motion, in whole numbers."""
+        own = [(self.surfaces[side], v[rows]) for side, v in points]
+        found = article.moved(
+            np.concatenate([surface.mesh.vertices[v] for surface, v in own]),
+            np.concatenate([surface.motion[v] for surface, v in own]),
+            np.repeat([side + 1 for side, _ in points], len(rows)),
+            np.concatenate([surface.own_number[v] for surface, v in own]),
+        )
+        return found.reshape(len(points), len(rows), 3)
+
+    def nodes(self, edge_a: Integers, edge_b: Integers, later: Integers) -> tuple[Floats, Integers]:
+        """Places (P, 3) and keys (P, 4) of the ends of segments.
+
+        `later` is positive where the edge of the first surface makes the end, negative where that
+        of the second does, and 0 where both meet there. A key is the edge of the first surface, or
+        its triangle and -1, then the same of the second.
+        """
+        keys = []
+        for side, edge, is_node in ((0, edge_a, later >= 0), (1, edge_b, later <= 0)):
+            ends = np.sort(np.stack([v for _, v in self.ends(side, edge)], axis=1), axis=1)
+            triangle = np.stack([self.triangles[side], np.full(len(edge), -1)], axis=1)
+            keys.append(np.where(is_node[:, None], ends, triangle))
+        of_first = later >= 0
+        places = np.where(of_first[:, None], self.passage(0, edge_a), self.passage(1, edge_b))
+        return places, np.concatenate(keys, axis=1)
+
+    def passage(self, side: int, edge: Integers) -> Floats:
+        """(P, 3) where an edge of this side passes the other triangle's plane."""
+        # Take heights in floating-point numbers, and start from the nearer end.
+        own = self.surfaces[side].mesh.vertices
+        a, b, c = (self.surfaces[1 - side].mesh.vertices[v] for v in self.corners[1 - side].T)
+        ends = self.ends(side, edge)
+        p, q = own[ends[0][1]], own[ends[1][1]]
+        low, error_low = _determinant(b - a, c - a, p - a)
+        high, error_high = _determinant(b - a, c - a, q - a)
+        swap = np.abs(high) < np.abs(low)
+        near, far = np.where(swap, high, low), np.where(swap, low, high)
+        t = np.divide(near, near - far, out=np.zeros_like(near), where=near != far)
+        start, stop = np.where(swap[:, None], q, p), np.where(swap[:, None], p, q)
+        places = start + np.clip(t, 0, 1)[:, None] * (stop - start)
+
+        # Where their signs are not sure, take them after the motion.
+        unsure = np.flatnonzero((np.abs(low) <= error_low) | (np.abs(high) <= error_high))
+        if len(unsure):
+            plane = [(1 - side, v) for v in self.corners[1 - side].T]
+            *triangle, first, second = self.moved([*plane, *ends], unsure)
+            low, high = (
+                article.orientation(*np.transpose([*triangle, end], (0, 2, 1)))
+                for end in (first, second)
+            )
+            places[unsure] = _passages_of(p[unsure], q[unsure], low, high)
+        return np.asarray(places)
 
 
-def _nodes(
-    sides: tuple[_Side, _Side], edge_a: Integers, edge_b: Integers, later: Integers
-) -> tuple[Floats, Integers]:
-    """Places (P, 3) and keys (P, 4) of the ends of segments.
+def _passages_of(start: Floats, stop: Floats, low: Array, high: Array) -> Floats:
+    """(P, 3) `isoref.surface_intersection.passage`, each coordinate rounded once.
 
-    `later` is positive where the edge of the first surface makes the end, negative where that of
-    the second does, and 0 where both meet there. A key is the edge of the first surface, or its
-    triangle and -1, then the same of the second.
+    t is the ratio of the heights, a whole number of 2^-PLACE_BITS.
     """
-    keys, places, corners = [], [], []
-    for side, edge, is_node in zip(sides, (edge_a, edge_b), (later >= 0, later <= 0), strict=True):
-        triangle = np.stack([side.triangles, np.full(len(edge), -1)], axis=1)
-        keys.append(np.where(is_node[:, None], side.name(edge), triangle))
-        place, corner = side.crossing(edge)
-        places.append(place)
-        corners.append(corner)
-    of_first = (later > 0) | ((later == 0) & ~corners[1])
-    return np.where(of_first[:, None], *places), np.concatenate(keys, axis=1)
+    one = 1 << article.PLACE_BITS
+    t = (2 * low * one + (low - high)) // (2 * (low - high))
+    (p, q), power, _ = article.scaled(np.stack([start, stop]))
+    whole, power = p * one + t[:, None] * (q - p), power - article.PLACE_BITS
+    up, down = 1 << max(power, 0), 1 << max(-power, 0)
+    return np.asarray((whole * up / down).astype(np.float64))
 
 
 def _mixed(front: Booleans) -> Booleans:
@@ -169,39 +236,10 @@ def _passages(front: Booleans) -> tuple[Integers, Integers]:
     return (~front & ahead).argmax(axis=1), (front & ~ahead).argmax(axis=1)
 
 
-def _edge(corners: Floats, edge: Integers) -> Floats:
-    """(P, 2, 3) the ends of edge `edge` of each triangle (P, 3, 3)."""
-    which = np.stack([edge, (edge + 1) % 3], axis=1)
-    return np.take_along_axis(corners, which[..., None], axis=1)
-
-
-def signs_beside(triangles: Floats, points: Floats) -> Integers:
-    """(P, 3) for each of three points (P, 3, 3): 1 in front of a triangle's plane, 0 in it, -1."""
-    signs = [
-        orientation(triangles[:, :2], np.stack([triangles[:, 2], points[:, c]], axis=1))
-        for c in range(3)
-    ]
-    return np.stack(signs, axis=1)
-
-
-def orientation(first: Floats, second: Floats) -> Integers:
-    """(P,) exact sign of ``det[b - a, c - a, d - a]``, a, b of `first`, c, d of `second`.
-
-    Each is (P, 2, 3). Where floating-point arithmetic cannot vouch for the sign [1], rational
-    arithmetic finds it.
-    """
-    a, b, c, d = first[:, 0], first[:, 1], second[:, 0], second[:, 1]
+def orientation(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Integers, Integers]:
+    """(P,) the sign of ``det[b - a, c - a, d - a]``, and the rows where floats cannot vouch [1]."""
     det, error = _determinant(b - a, c - a, d - a)
-    sign = np.sign(det).astype(np.int64)
-    unsure = np.flatnonzero((np.abs(det) <= error) & (error > 0))
-    equal = np.zeros(len(unsure), bool)
-    for p, q in itertools.combinations((a, b, c, d), 2):
-        equal |= (p[unsure] == q[unsure]).all(axis=1)
-    sign[unsure[equal]] = 0
-    for row in unsure[~equal].tolist():
-        exact = article.orientation(*(rational(p[row]) for p in (a, b, c, d)))
-        sign[row] = (exact > 0) - (exact < 0)
-    return sign
+    return np.sign(det).astype(np.int64), np.flatnonzero(np.abs(det) <= error)
 
 
 def _determinant(u: Floats, v: Floats, w: Floats) -> tuple[Floats, Floats]:
@@ -221,13 +259,27 @@ def join_segments(segments: Segments) -> list[Curve]:
 
 def segment_chains(segments: Segments) -> list[tuple[Integers, bool]]:
     """The indices of the segments along each curve, and whether it is closed."""
-    ends = segments.ends + 0.0  # no negative zeros
-    places = names_of_rows(ends.reshape(-1, 3)).reshape(-1, 2)
-    crossing = np.flatnonzero(~_run_both_ways(places))
-    successor = np.full(len(crossing), -1)
-    for names in (segments.nodes, places):
-        _link(names[crossing], successor)
-    return [(crossing[chain], closed) for chain, closed in follow(successor)]
+    successor = np.full(len(segments.nodes), -1)
+    _link(segments.nodes, successor)
+    kept = []
+    for chain, closed in follow(successor):
+        if segments.contact is not None and segments.contact[chain].all():
+            continue
+        ends = segments.ends[chain]
+        left = np.arange(len(chain))
+        if _returns(ends):
+            left = article.without_returns(ends, closed)
+        if len(left):
+            kept.append((chain[left], closed))
+    return kept
+
+
+def _returns(ends: Floats) -> bool:
+    """Whether a segment has no length, or the next one (after the last, the first) runs back."""
+    after = np.roll(ends, -1, axis=0)
+    still = (ends[:, 0] == ends[:, 1]).all(axis=1)
+    back = (ends[:, 0] == after[:, 1]).all(axis=1) & (ends[:, 1] == after[:, 0]).all(axis=1)
+    return bool((still | back).any())
 
 
 def names_of_rows(rows: Array) -> Integers:
@@ -262,14 +314,6 @@ def _mixed_up(words: NDArray[np.uint64]) -> NDArray[np.uint64]:
     words = (words ^ (words >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     words = (words ^ (words >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return words ^ (words >> np.uint64(31))
-
-
-def _run_both_ways(places: Integers) -> Booleans:
-    """Which segments (S, 2) have as many others of the same ends run against them as with them."""
-    heading = np.sign(places[:, 1] - places[:, 0])
-    pair = names_of_rows(np.sort(places, axis=1))
-    balance = np.bincount(pair, weights=heading)
-    return np.asarray((balance[pair] == 0) & (heading != 0))
 
 
 def _link(nodes: Integers, successor: Integers) -> None:

@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from isograde.oracles.space_curves import KNOWN, KnownCurves, knot_determinant, linking_numbers
-from isoref import lorensen_cline
+from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
 from isoref import surface_intersection as article
 from isoref.curves import Curve, real_and_imaginary
 from isoref.fast import marching_faces
 from isoref.fast import surface_intersection as surface_intersection_module
 from isoref.fast.surface_intersection import (
     _link,
+    _Pairs,
     candidate_pairs,
     enhanced_marching_cubes,
     intersection_curves,
@@ -28,6 +29,7 @@ from isoref.fast.surface_intersection import (
 from isoref.field import Field, FieldError, Floats
 from isoref.mesh import Mesh
 from isoref.plane_waves import random_waves
+from isoref.rule import Rule
 from isoref.surface_intersection import (
     IndexedSurface,
     Segments,
@@ -84,6 +86,15 @@ def assert_whole(curves: list[Curve], field: Field) -> None:
         if not curve.closed:
             ends = curve.points[[0, -1]]
             assert (np.isclose(ends, low) | np.isclose(ends, high)).any(axis=1).all()
+
+
+def assert_balanced(segments: Segments, last: int) -> None:
+    """Inside a lattice of cells up to `last`, every node has as many segments in as out."""
+    balance: Counter[int] = Counter()
+    inside = ((segments.ends > 0) & (segments.ends < last)).all(axis=2)
+    balance.update(segments.nodes[inside[:, 0], 0].tolist())
+    balance.subtract(segments.nodes[inside[:, 1], 1].tolist())
+    assert not any(balance.values())
 
 
 class TestIndex:
@@ -163,8 +174,11 @@ class TestTriangles:
         points = np.array(numbers, float).reshape(4, 3) / 3 + 0.1
         points[3] = points[:3].mean(axis=0) + shift
         exact = article.orientation(*(rational(p) for p in points))
-        sign = orientation(points[None, :2], points[None, 2:])
-        assert sign.tolist() == [(exact > 0) - (exact < 0)]
+        sign, unsure = orientation(*points[:, None])
+        assert len(unsure) or sign.tolist() == [(exact > 0) - (exact < 0)]
+        one, two = heap(points[None, :3]), heap(points[None, [3, 0, 1]])
+        pairs = _Pairs(one, two, np.array([0]), np.array([0]))
+        assert pairs.height(1, 0).tolist() == [(exact > 0) - (exact < 0)]
 
     @settings(max_examples=150)
     @given(st.lists(st.integers(0, 3), min_size=36, max_size=36), st.booleans())
@@ -391,17 +405,46 @@ class TestCurves:
 
     @settings(max_examples=40)
     @given(st.lists(st.integers(-2, 2), min_size=128, max_size=128))
-    def test_ties_do_not_crash_and_lose_no_segment(self, numbers: list[int]) -> None:
-        """Surfaces through each other's vertices: segments are on curves, or run both ways."""
+    def test_ties_leave_no_loose_end(self, numbers: list[int]) -> None:
+        """Surfaces through each other's vertices: as many segments in as out on every node inside.
+
+        So curves close or end on the border, also when what runs back is left out.
+        """
         a, b = (Field.of(part) for part in np.array(numbers).reshape(2, 4, 4, 4))
         segments = surface_intersection(*surfaces((a, b)))
-        runs = Counter((tuple(start), tuple(stop)) for start, stop in segments.ends.tolist())
-        total = sum(
-            count * np.linalg.norm(np.subtract(*ends))
-            for ends, count in runs.items()
-            if runs[ends[::-1]] != count
-        )
-        assert sum(c.length for c in join_segments(segments)) == pytest.approx(total)
+        assert_balanced(segments, 3)
+        assert_whole(join_segments(segments), a)
+
+    @pytest.mark.parametrize("rule", [trilinear_cubes.RULE, asymptotic_decider.RULE])
+    def test_whole_numbers_leave_no_loose_end(self, rule: Rule) -> None:
+        """A third of the samples tied in each field, and nearly all of them in one of a plate."""
+        random = np.random.default_rng(0)
+        noise = [random.integers(-1, 2, size=(7, 7, 7)) for _ in range(2)]
+        plate = np.where(np.indices((7, 7, 7))[0] == 3, 0, -1)
+        for one, two in (noise, (noise[0], plate), (plate, plate.T), (noise[0], noise[0].T)):
+            pair = Field.of(one), Field.of(two)
+            segments = surface_intersection(
+                *(enhanced_marching_cubes(field, 0.0, rule) for field in pair)
+            )
+            assert len(segments.cells)
+            assert_balanced(segments, 6)
+            assert_whole(join_segments(segments), pair[0])
+
+    @pytest.mark.parametrize("factor", [1, 2])
+    def test_whole_numbers_twice_are_contact(self, factor: int) -> None:
+        """Identical surfaces of noise, full of ties: no curve."""
+        values = np.random.default_rng(2).integers(-2, 3, size=(7, 7, 7))
+        pair = Field.of(values), Field.of(factor * values)
+        assert join_segments(surface_intersection(*surfaces(pair))) == []
+
+    def test_surfaces_that_share_a_piece_cross_along_its_rim(self) -> None:
+        """A plane, and one that is the same in the middle, above on one side, below beyond."""
+        x, _, z = np.indices((9, 4, 7)).astype(float)
+        bent = z - 3 - np.where(x < 3, 3 - x, np.where(x > 5, 5 - x, 0)) / 4
+        (curve,) = intersection_curves(Field.of(z - 3), Field.of(bent))
+        assert not curve.closed
+        assert curve.length == pytest.approx(3)
+        assert set(curve.points[:, 0].tolist()) <= {3.0, 5.0}
 
     def test_fields_must_share_a_lattice(self) -> None:
         """The same check as marching faces; and surfaces of different lattices are refused."""
