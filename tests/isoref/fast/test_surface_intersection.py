@@ -91,7 +91,7 @@ def assert_whole(curves: list[Curve], field: Field) -> None:
 def assert_balanced(segments: Segments, last: int) -> None:
     """Inside a lattice of cells up to `last`, every node has as many segments in as out."""
     balance: Counter[int] = Counter()
-    inside = ((segments.ends > 0) & (segments.ends < last)).all(axis=2)
+    inside = np.asarray(((segments.ends > 0) & (segments.ends < last)).all(axis=2))
     balance.update(segments.nodes[inside[:, 0], 0].tolist())
     balance.subtract(segments.nodes[inside[:, 1], 1].tolist())
     assert not any(balance.values())
