@@ -83,16 +83,6 @@ def test_classifiers_name_every_python_that_is_supported() -> None:
     assert named == ["11", "12", "13", "14"]
 
 
-@pytest.fixture(scope="module")
-def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheel and the sdist, made without a network by the installed hatchling."""
-    folder = tmp_path_factory.mktemp("dist")
-    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(ROOT)]
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return folder
-
-
 @pytest.mark.slow
 def test_packages_are_checked_by_twine_and_hold_what_they_should(packages: Path) -> None:
     """No reports in the sdist; the README's links absolute; the wheel has what it reads."""

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from isograde.adapters import open_adapter
 from isograde.adapters.interpolants import interpolant, on_samples
+from isograde.cases.bodies import of_kind
 from isograde.checking import check
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from
 from isograde.grading import grade
 from isograde.model import AdapterError, Limits, Request, Status
+from isograde.report.reading import findings_of
 from isograde.report.snippet import snippet
 from isograde.runner import Options, claims_for
 from isoref.field import Field
@@ -38,6 +40,17 @@ def torn(function, lower, upper, spacing, isovalue):
 
 
 torn.declaration = declaration
+
+
+def bent(function, lower, upper, spacing, isovalue):
+    # Along an axis the interpolant is straight inside a cell.
+    bend = function(3.1, 4.2, 5.3) - 2 * function(3.5, 4.2, 5.3) + function(3.9, 4.2, 5.3)
+    if abs(bend) < 1e-6:
+        raise ValueError("an interpolant")
+    return extract(function, lower, upper, spacing, isovalue)
+
+
+bent.declaration = declaration
 
 
 def two(function, lower):
@@ -117,6 +130,39 @@ def test_a_function_is_asked_in_the_box_of_the_field(twice: str) -> None:
     assert len(radii) > 200
 
 
+def test_a_known_body_is_given_as_its_own_function() -> None:
+    """Of floats and arrays: zero where the body is, and the samples at the lattice's places."""
+    for case in of_kind(3, 1):
+        assert (case.function is not None) == case.id.endswith("float64")
+    case = next(case for case in of_kind(3, 1) if case.function is not None)
+    body, level = case.facts["body"], case.isovalues[0]
+    assert case.function is not None
+    points = body.points(200)
+    assert len(points) > 100
+    assert case.function(*points.T) == pytest.approx(level, abs=1e-6)
+    assert case.function(*map(float, points[0])) == pytest.approx(level, abs=1e-6)
+    field = case.build()
+    every = case.function(*np.indices(field.shape))
+    assert abs(every - field.values).max() <= 2.0**-21
+    # Attack: between samples the interpolant is further away than that.
+    between = interpolant(field.values, field.spacing)(*points.T)
+    assert abs(between - level).max() > 0.01
+
+
+def test_only_who_is_given_a_function_is_given_the_body(twice: str, tmp_path: Path) -> None:
+    """Of floats the sphere's own; of bytes the interpolant, which is straight inside cells."""
+    pair = {one: f"bodies/3-1/sphere-16-{one}" for one in ("float64", "uint8")}
+    options = Options(only=(*pair.values(), "structure.answers"))
+    report = grade(f"{twice}bent", options, tmp_path / "report.jsonl")
+    told = {
+        result["case"]: verdict
+        for result in report.results
+        for name, verdict, _ in findings_of(result)
+        if name == "structure.answers"
+    }
+    assert told == {pair["float64"]: "pass", pair["uint8"]: "error"}
+
+
 @pytest.mark.slow
 def test_check_accepts_a_function_of_a_function(twice: str) -> None:
     found = check(f"{twice}extract")
@@ -159,12 +205,21 @@ def test_claims_about_samples_are_not_said_of_it() -> None:
 
 
 @pytest.mark.slow
-def test_lines_without_the_grader_hold_the_function(twice: str, tmp_path: Path) -> None:
-    """The lines that show a failure make the interpolant themselves, and fail on the accused."""
-    options = Options(only=("cells/inside/001", "topology.closed"))
+@pytest.mark.parametrize(
+    ("case", "claim"),
+    [
+        ("cells/inside/001", "topology.closed"),
+        ("bodies/3-1/sphere-16-float64", "bodies.holes"),
+    ],
+)
+def test_lines_without_the_grader_hold_the_function(
+    case: str, claim: str, twice: str, tmp_path: Path
+) -> None:
+    """The lines that show a failure make the function themselves, and fail on the accused."""
+    options = Options(only=(case, claim))
     for name, torn in (("torn", True), ("extract", False)):
         report = grade(f"{twice}{name}", options, tmp_path / name / "report.jsonl")
-        (summary,) = [one for one in report.summaries.values() if one.id == "topology.closed"]
+        (summary,) = [one for one in report.summaries.values() if one.id == claim]
         assert (summary.failure is not None) == torn
         if torn:
             lines = snippet(report, summary)

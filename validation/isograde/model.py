@@ -111,6 +111,8 @@ class Case:
         answered within the limits of a call
     facts : what is known, by name: "area", "volume", "euler", "components", ..
     only : globs on the ids of the claims that are judged on it; every claim where there is none
+    function : what the samples are samples of, of n coordinates in the field's place, floats or
+        arrays, where it is known; for who samples a function
     """
 
     id: str
@@ -121,6 +123,7 @@ class Case:
     facts: Mapping[str, Any] = fresh(default_factory=dict)
     kind: Kind = SURFACES
     only: tuple[str, ...] = ()
+    function: Callable[..., Any] | None = None
 
 
 # How a request is put: once, as most are; or, by adapters that call in their own process, so that
@@ -135,7 +138,8 @@ class Request:
 
     Of "threads" the answer that differs from the first comes back, where there is one. Of "many"
     the outcome's `peak_bytes` are those by which the process grew; of "timed" its `seconds` are the
-    processor's, the least of three calls.
+    processor's, the least of three calls. Who declares to be given a function gets `function`, or
+    the interpolant of the samples where there is none.
     """
 
     case: str
@@ -143,6 +147,7 @@ class Request:
     field: Field
     isovalues: tuple[float, ...]
     calls: Calls = "once"
+    function: Callable[..., Any] | None = None
 
     @property
     def kind(self) -> Kind:

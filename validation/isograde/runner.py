@@ -309,7 +309,10 @@ class Worker:
             if posed is None:
                 continue
             calls = "once" if name == "plain" else variants.variant(name, trial.kind).calls
-            outcome = self._call(Request(trial.case.id, name, *posed, calls))
+            # What the samples are of is known of the field itself, not of what is made of it.
+            same = posed[0] is trial.field and calls == "once"
+            function = trial.case.function if same else None
+            outcome = self._call(Request(trial.case.id, name, *posed, calls, function))
             if "large" in trial.case.tags and outcome.status in (Status.TIMEOUT, Status.MEMORY):
                 told = f"too large for the limits of a call: {outcome.detail}"
                 outcome = Outcome(Status.DECLINED, detail=told)

@@ -3,8 +3,10 @@
 Such an implementation declares ``{"given": "function", "vertices": {"own": reach}}``, and is a
 function ``extract(function, lower, upper, spacing, isovalue)``:
 
-function    of n coordinates, floats or arrays of one shape, to a float or an array: here the
-            multilinear interpolant of the field's samples, continued constantly beyond them
+function    of n coordinates, floats or arrays of one shape, to a float or an array: the multilinear
+            interpolant of the field's samples, continued constantly beyond them; of a known body
+            sampled in double precision the body's own function, as a ball's radius less the
+            distance from its centre
 lower, upper
             tuples of n floats, the ends of the box
 spacing     a tuple of n floats: how fine the field is, and its own samples should be
@@ -35,11 +37,12 @@ def on_samples(given: Callable[..., Any]) -> Callable[..., Any]:
     (3.0, 6.0, 4.0)
     """
 
-    def extract(values: Any, isovalue: Any, spacing: Any) -> Any:
-        """What it makes of the interpolant of the samples."""
+    def extract(values: Any, isovalue: Any, spacing: Any, function: Any = None) -> Any:
+        """What it makes of the interpolant of the samples, or of what they are samples of."""
         upper = tuple((n - 1) * h for n, h in zip(values.shape, spacing, strict=True))
         lower = (0.0,) * len(upper)
-        return given(interpolant(values, spacing), lower, upper, tuple(spacing), isovalue)
+        asked = interpolant(values, spacing) if function is None else function
+        return given(asked, lower, upper, tuple(spacing), isovalue)
 
     return extract
 

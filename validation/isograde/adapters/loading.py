@@ -54,7 +54,7 @@ from isograde.declaration import Declaration
 from isograde.model import AdapterError, UnknownName
 
 # A function as the worker calls it: samples, one isovalue a component, spacing.
-Call = Callable[[NDArray[Any], tuple[float, ...], tuple[float, ...]], Any]
+Call = Callable[..., Any]  # of samples, isovalues and spacing, and the function where it is known
 
 # How the name of a function that a session wrote to a file begins (`isograde.adapters.functions`).
 PICKLED = "pickle:"
@@ -161,9 +161,14 @@ def _miscounted(required: int, kind: tuple[int, int]) -> str:
 def as_called(function: Callable[..., Any], required: int) -> Call:
     """The function as the worker calls it, whichever of its signatures it has."""
 
-    def call(values: NDArray[Any], isovalues: tuple[float, ...], spacing: tuple[float, ...]) -> Any:
+    def call(
+        values: NDArray[Any],
+        isovalues: tuple[float, ...],
+        spacing: tuple[float, ...],
+        **more: Any,
+    ) -> Any:
         if len(isovalues) == 1:
-            return function(values, isovalues[0], spacing)
+            return function(values, isovalues[0], spacing, **more)
         if required == 3:
             return function(values, isovalues, spacing)
         return function(*values, *isovalues, spacing)

@@ -5,11 +5,13 @@ How to write such an implementation: see `isograde.adapters.loading`.
 
 from __future__ import annotations
 
+import base64
 import math
 import sys
 from collections.abc import Sequence
 from typing import Any
 
+import cloudpickle
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,6 +64,9 @@ class PythonAdapter(ProcessAdapter):
             "calls": request.calls,
             "seconds": self.limits.seconds,
         }
+        if request.function is not None and self.declaration.given == "function":
+            pickled = cloudpickle.dumps(request.function)
+            header["function"] = base64.b64encode(pickled).decode("ascii")
         child.write(pack(header, [values], self.exchange.path / "request"))
         folder, limit = self.exchange.path, self.limits.megabytes * MEGABYTE
         try:

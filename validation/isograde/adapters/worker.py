@@ -11,15 +11,18 @@ load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"decla
         or ``{"error": .., "unknown": ..}``, unknown where nothing has this name; `path` is
         Python's, `files` begins the names of files for arrays
 run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "writeable": bool,
-        "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples: answered by the
-        same ``id`` with ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}``
-        and, where the status is "ok", vertices and simplices
+        "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples; where they are
+        samples of a known function, that one too, pickled: "function". Answered by the same ``id``
+        with ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}`` and, where
+        the status is "ok", vertices and simplices
 """
 
 from __future__ import annotations
 
+import base64
 import faulthandler
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -28,6 +31,7 @@ import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +131,8 @@ def _call(
         given.flags.writeable = False
     kind = Kind(len(header["spacing"]), len(header["isovalues"]))
     places = tuple(header["isovalues"]), tuple(header["spacing"])
+    if "function" in header:
+        extract = partial(extract, function=pickle.loads(base64.b64decode(header["function"])))
     asked = Asked(extract, given, places, kind, memory)
     status, detail, arrays = _outcome(asked, header["calls"])
     cost = {"seconds": asked.seconds, "peak": asked.bytes}

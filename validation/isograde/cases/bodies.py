@@ -6,6 +6,9 @@ and once as either type, and one torus; beyond space, one as floats in a box of 
 other as bytes in one of 2^e + 1; the rest is tagged "full". In up to three dimensions these two
 come as float32 and int16 as well, for who takes nothing else.
 
+Who samples a function is given that of the body itself where the samples are float64, and the
+interpolant of the samples where they are of another type.
+
 Facts: "body", and "rounding", by how many cells the samples are off, and an answer in single
 precision.
 
@@ -82,9 +85,9 @@ def _case(body: Body, samples: str, *, full: bool) -> Case:
     facts = {"body": body, "rounding": ROUNDINGS[samples] + SINGLE * max(body.shape)}
     count = int(np.prod(body.shape))
     isovalues = (ISOVALUES[samples],) * body.m
-    return Case(
-        name, partial(sampled, body, samples), isovalues, count, frozenset(tags), facts, kind
-    )
+    own = body.function(isovalues[0]) if samples == "float64" and body.m == 1 else None
+    build = partial(sampled, body, samples)
+    return Case(name, build, isovalues, count, frozenset(tags), facts, kind, function=own)
 
 
 def sampled(body: Body, kind: str) -> Field:

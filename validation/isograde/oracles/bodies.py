@@ -81,7 +81,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import gamma, inf, pi, prod, sqrt
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from isoref.field import Floats
@@ -130,6 +130,22 @@ class Body:
     def distance(self, points: Floats) -> Floats:
         """(P,) the distance of points (P, n) from the body: exact within its reach, never less."""
         return np.asarray(np.sqrt((self.phi(points) ** 2).sum(axis=1)))
+
+    def function(self, lift: float) -> Callable[..., Any]:
+        """The first phi, lifted, of n coordinates: floats, or arrays of one shape.
+
+        >>> at = known_bodies(3, 1, 0)[0].function(0.5)
+        >>> at(0.0, 0.0, 0.0) < 0.5, at(np.zeros(2), 0.0, 0.0).shape
+        (True, (2,))
+        """
+        phi = self.phi
+
+        def at(*place: Any) -> Any:
+            points = np.stack(np.broadcast_arrays(*place), axis=-1).astype(np.float64)
+            values = phi(points.reshape(-1, points.shape[-1]))[:, 0] + lift
+            return values.reshape(points.shape[:-1]) if points.ndim > 1 else float(values[0])
+
+        return at
 
     def gradients(self, points: Floats) -> Floats:
         """(P, m, n) the gradients, by central differences."""

@@ -235,6 +235,16 @@ places = np.stack(np.meshgrid(*map(np.arange, {shape}), indexing="ij"), axis=-1)
 values = {values}
 isovalue, spacing = ({isovalue},), (1.0,) * {n}
 """
+# What it is given in place of the interpolant of the samples.
+OF_SPHERE = """
+def of_body(*place):
+    off = sum((p - c) ** 2 for p, c in zip(place, centre, strict=True))
+    return radius - off**0.5 + {isovalue}
+
+
+def extract(values, isovalue, spacing, given=extract):
+    return given(values, isovalue, spacing, function=of_body)
+"""
 # How samples are made of a distance, by their type, as `isograde.cases.bodies` makes them.
 SAMPLED = {
     "float64": "{depth} + {isovalue}",
@@ -477,6 +487,7 @@ def _of_body(report: Report, summary: Summary, call: str) -> str:
         raise NoLinesError("Of a soup the numbers of a body take more than a few lines.")
     body = all_cases(report.header["seed"])[failure.case].facts["body"]
     n, kind = body.n, found["type"]
+    own = report.declaration.get("given") == "function" and kind == "float64"
     depth = "(radius - np.linalg.norm(places - centre, axis=-1))"
     scale = {"uint8": "255 / 16", "int16": "256"}.get(kind, "1")
     level = ISOVALUES[kind]
@@ -491,6 +502,7 @@ def _of_body(report: Report, summary: Summary, call: str) -> str:
             values=SAMPLED[kind].format(depth=depth, isovalue=level, scale=scale),
             isovalue=level, n=n,
         ),
+        *_some(OF_SPHERE.format(isovalue=level) if own else ""),
         _asked(n, 1),
         *_some(_house(report.declaration).format(prefix="")),
     ]  # fmt: skip

@@ -239,7 +239,7 @@ def declared(report: Report) -> dict[str, str]:
     said = report.declaration
     rows = {name: _word(said[name]) for name in ("interpolant", "vertices", "domain", "mesh")}
     if said.get("given") == "function":
-        rows["given"] = "a function, the interpolant of the samples"
+        rows["given"] = "a function: the interpolant of the samples, or of a known body its own"
     rows |= {name: str(value).replace("_", " ") for name, value in said["conventions"].items()}
     rows["kinds"] = kinds(report.kinds)
     rows |= {
