@@ -53,6 +53,24 @@ def test_what_nan_does_is_declared_and_measured() -> None:
     assert verdict(cubes, declared, "nan") is Verdict.FAIL
 
 
+def test_an_error_where_there_is_no_surface_says_nothing_of_nan() -> None:
+    """Who raises on what is empty, as it declares, does so with such a sample or without."""
+
+    def raises(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = cubes(np.nan_to_num(values, nan=-1.0), isovalue, spacing)
+        if not len(faces):
+            raise ValueError("no surface")
+        return vertices, faces
+
+    both = Conventions(nan="answers", empty="raises")
+    empty = [all_cases()["cells/outside/000"]]
+    found = verdicts(raises, Declaration("raises", conventions=both), empty, "robustness.nan")
+    assert list(found["robustness.nan"]) == [Verdict.SKIP]
+    only_nan = Declaration("raises", conventions=Conventions(nan="answers"))
+    found = verdicts(raises, only_nan, empty, "robustness.nan")
+    assert list(found["robustness.nan"]) == [Verdict.FAIL]
+
+
 def test_bad_input_is_refused_with_words() -> None:
     """A plane, no samples, no isovalue; an answer or a bare error fails."""
 

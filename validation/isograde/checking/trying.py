@@ -22,7 +22,12 @@ from isograde.checking.places import level_at, misplaced, shifted
 from isograde.checking.rows import NO_CELL, rows_told
 from isograde.checking.spans import NEAR, Span, inset, spans, spans_told, stretch
 from isograde.checking.words import WORDS, exact, index_of, said_more, words_of
-from isograde.declaration import Declaration, declaration_from, declaration_json
+from isograde.declaration import (
+    Conventions,
+    Declaration,
+    declaration_from,
+    declaration_json,
+)
 from isograde.model import SURFACES, Kind, Outcome, Request, Status, Verdict
 
 Array = NDArray[Any]
@@ -279,18 +284,21 @@ class Try:
     def house(self, field: Field, isovalues: tuple[float, ...]) -> Outcome:
         """The outcome of one call, in the house's conventions as they were measured."""
         request = Request("check", "plain", *self.within.pose(field, isovalues))
-        conventions = self.told(self.declaration).conventions
+        conventions = self._conventions_told(self.declaration.conventions)
         return to_house(self.adapter.answer(request), request, conventions)
+
+    def _conventions_told(self, said: Conventions) -> Conventions:
+        """The conventions, changed to what was measured of this kind."""
+        if self.measured is None or self.measured.axes is None:
+            return said
+        new: dict[str, Any] = {name: found for name, _, found in self.measured.differences(said)}
+        return replace(said, **new)
 
     def told(self, declaration: Declaration) -> Declaration:
         """The declaration, changed to what was measured of this kind."""
         limits = replace(declaration.limits, **self.within.limits)
-        declaration = replace(declaration, limits=limits)
-        if self.measured is not None and self.measured.axes is not None:
-            found = self.measured.differences(declaration.conventions)
-            new: dict[str, Any] = {name: measured for name, _, measured in found}
-            conventions = replace(declaration.conventions, **new)
-            declaration = replace(declaration, conventions=conventions)
+        conventions = self._conventions_told(declaration.conventions)
+        declaration = replace(declaration, limits=limits, conventions=conventions)
         if self.words:
             words = {k: v for k, v in self.words.items() if not said_more(declaration, k)}
             said = {**declaration_json(declaration), **words}
