@@ -36,7 +36,7 @@ sorted by cells.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property, lru_cache
@@ -77,6 +77,17 @@ def sweep(
     half the memory, float32 and int32. Positions are computed in double precision and rounded last.
     """
     return _Sweep(rule, field, isovalue, precision, provenance).mesh()
+
+
+def pieces(
+    rule: Rule, field: Field, isovalue: float, precision: Precision = "double"
+) -> Iterator[tuple[Array, Array]]:
+    """The same surface of a straight field piece by piece: new vertices (V, 3), triangles (T, 3).
+
+    Triangles number all vertices since the first piece. Of the samples no more than a slab is
+    looked at at once, and of the mesh no more than a piece is kept (`isoref.fast.slabs`).
+    """
+    return _Sweep(rule, field, isovalue, precision, False).pieces()
 
 
 # --- What is known of a rule -------------------------------------------------------------------
@@ -224,19 +235,36 @@ class _Growing:
     """An array that grows at its end, with room to spare, and gives the spare room back.
 
     Memory that is reserved and never written costs nothing.
+
+    size : rows so far
+    gone : rows of these that were handed on, and are here no more
     """
 
     def __init__(self, width: int, dtype: type[Any], rows: int) -> None:
         shape = (rows, width) if width else (rows,)
         self.array = np.empty(shape, dtype)
-        self.size = 0
+        self.size = self.gone = 0
 
     def more(self, rows: int) -> Array:
         """Room for so many rows, behind those that are there."""
-        begun, self.size = self.size, self.size + rows
-        if self.size > len(self.array):
-            self._widen(2 * self.size, begun)
-        return self.array[begun : self.size]
+        begun, self.size = self.size - self.gone, self.size + rows
+        if self.size - self.gone > len(self.array):
+            self._widen(2 * (self.size - self.gone), begun)
+        return self.array[begun : self.size - self.gone]
+
+    def since(self, row: int) -> Array:
+        """The rows from this number on, to be read or changed."""
+        return self.array[row - self.gone : self.size - self.gone]
+
+    def put(self, numbers: Integers, rows: Array) -> None:
+        """Write the rows with these numbers."""
+        self.array[numbers - self.gone] = rows
+
+    def hand_on(self) -> Array:
+        """A copy of the rows that are here, which make room for those to come."""
+        rows = self.since(self.gone).copy()
+        self.gone = self.size
+        return rows
 
     def foresee(self, done: float) -> None:
         """Make room for the whole, of which this share is done, before it is short and costly."""
@@ -454,7 +482,7 @@ class _Sweep:
         self.precision = precision
         real, whole = number_types(precision)
         self.field, self.tiles, self.traced = field, _tiles(rule), traced
-        self.values = field.values.reshape(field.shape)
+        self.values = field.values if field.values.ndim == 3 else field.values[0]
         self.level = least_inside(field.values.dtype, self.isovalue)
         self.lattice = _lattice(*field.shape[1:])
         self.tables = self.tiles.tables
@@ -465,12 +493,13 @@ class _Sweep:
         self.ends = _Growing(2, np.int64, 1 << 12 if traced else 0)
         self.along = _Growing(0, np.float64, 1 << 12 if traced else 0)
         self.deferred: list[_Deferred] = []
-        if min(field.shape) >= 2:
-            self._run()
-            self._place_deferred()
 
     def mesh(self) -> Mesh:
         """The mesh of all slabs."""
+        for done in self._run():
+            for array in (self.vertices, self.triangles, self.cells, self.ends, self.along):
+                array.foresee(done)
+        self._place_deferred()
         number_types(self.precision, self.vertices.size)
         mesh = Mesh(self.vertices.finished(), self.triangles.finished())
         if not self.traced:
@@ -478,14 +507,23 @@ class _Sweep:
         arrays = self.ends.finished(), self.along.finished(), self.cells.finished()
         return replace(mesh, provenance=Provenance(*arrays, self.field))
 
-    def _run(self) -> None:
-        """Pass through the volume, slab by slab."""
+    def pieces(self) -> Iterator[tuple[Array, Array]]:
+        """What each part of the volume adds to the mesh, which is not kept."""
+        for _ in self._run():
+            self._place_deferred()
+            number_types(self.precision, self.vertices.size)
+            yield self.vertices.hand_on(), self.triangles.hand_on()
+
+    def _run(self) -> Iterator[float]:
+        """Pass through the volume, slab by slab; after each part, which share is done."""
         layers = self.field.shape[0] - 1
+        if min(self.field.shape) < 2:
+            return
         planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
         self._make_room(planes)
         self.bits[: self.lattice.plane_bytes] = self._packed(self.values[:1])
         for first in range(0, layers, planes):
-            self._slab(first, min(planes, layers - first))
+            yield from self._slab(first, min(planes, layers - first))
 
     def _make_room(self, planes: int) -> None:
         """The arrays that all slabs of at most so many planes of cells work in."""
@@ -515,8 +553,8 @@ class _Sweep:
         np.greater_equal(samples, self.level, out=inside[:, :, : self.lattice.n3])
         return np.packbits(inside.reshape(-1), bitorder="little")
 
-    def _slab(self, first: int, planes: int) -> None:
-        """Add the cells between planes `first` and `first + planes`."""
+    def _slab(self, first: int, planes: int) -> Iterator[float]:
+        """Add the cells between planes `first` and `first + planes`; as `_run`."""
         plane = self.lattice.plane_bytes
         samples = self._samples(first, planes)
         crossed, active = self._crossed_and_active(samples, bool(first))
@@ -536,8 +574,7 @@ class _Sweep:
                 part = _Part(first, planes, low, high, samples.reshape(-1))
                 self._make_crossings(part, edges)
                 self._make_cells(part, _between(cells, low * plane, high * plane))
-                for array in (self.vertices, self.triangles, self.cells, self.ends, self.along):
-                    array.foresee((first + high) / (self.field.shape[0] - 1))
+                yield (first + high) / (self.field.shape[0] - 1)
 
         # The last plane is the first one of the next slab.
         self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
@@ -798,7 +835,7 @@ class _Sweep:
     def _sort(self, first: int, cells: _Set, owner: Integers, begun: int) -> None:
         """Sort the triangles from number `begun` on by the cells they are in, and name these."""
         order = np.argsort(owner, kind="stable")
-        made = self.triangles.array[begun : self.triangles.size]
+        made = self.triangles.since(begun)
         made[:] = made[order]
         i, j, k = (cells.lattice_index(axis) for axis in range(3))
         _, n2, n3 = self.field.shape
@@ -889,6 +926,7 @@ class _Sweep:
         g = np.concatenate([part.g for part in self.deferred], axis=1)
         first = np.concatenate([part.first for part in self.deferred])
         cells = [np.concatenate([part.cells[a] for part in self.deferred]) for a in range(3)]
+        self.deferred.clear()
         later: dict[Callable[[Floats, Floats], Floats], list[tuple[Integers, Integers, Floats]]]
         later = {}
         order = np.argsort(keys, kind="stable")
@@ -916,4 +954,4 @@ class _Sweep:
         out = np.empty((len(rows), 3), self.vertices.array.dtype)
         for axis in range(3):
             out[:, axis] = self._position(cells[axis][rows] + inside[:, axis], axis)
-        self.vertices.array[numbers] = out
+        self.vertices.put(numbers, out)

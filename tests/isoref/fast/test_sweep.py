@@ -182,6 +182,7 @@ def test_the_numbers_of_vertices_may_pass_2_to_the_31(monkeypatch: pytest.Monkey
     monkeypatch.setattr(isoref.fast.sweep, "SLAB_POINTS", 200)
     field, rule = Field.of(np.random.default_rng(5).normal(size=(9, 7, 8))), RULES["lorensen-cline"]
     made = isoref.fast.sweep._Sweep(rule, field, 0.1, "double", traced=False)
+    made.mesh()
     assert made.vertex_of.dtype == np.int32
     assert made.offset > 0
     assert made.triangles.array.dtype == np.int64
