@@ -500,6 +500,13 @@ def extract(
     spacing: Annotated[
         str | None, typer.Option(metavar="X,Y,Z", help="In place of the file's.")
     ] = None,
+    by_planes: Annotated[
+        bool,
+        typer.Option(
+            "--by-planes",
+            help="Volumes and meshes larger than memory: npy raw h5 zarr to ply, cube rules.",
+        ),
+    ] = False,
 ) -> None:
     """Extract an isosurface with the reference, where the volume stands, as a mesh file."""
     from isograde.commands import volumes
@@ -513,7 +520,8 @@ def extract(
         clean,
         space.value if space else None,
     )
-    volumes.extract(volume, wanted, out, volumes.asked(dataset, shape, dtype, spacing))
+    how = volumes.extract_by_planes if by_planes else volumes.extract
+    how(volume, wanted, out, volumes.asked(dataset, shape, dtype, spacing))
 
 
 @app.command(name="prove")

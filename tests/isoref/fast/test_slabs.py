@@ -1,5 +1,6 @@
 """A surface piece by piece is that of the whole, and no more is read or kept than is said."""
 
+import tracemalloc
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from isoref.methods import RULES
 from numpy.typing import NDArray
 
 NOISE = np.random.default_rng(20).normal(size=(21, 9, 13))
-SHEARED = [[0, 0, 1], [0.6, 0.8, 0], [1, 0, 0]]
+SHEARED = [[0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [1.0, 0.0, 0.0]]
 
 
 class Chunked:
@@ -101,6 +102,31 @@ def test_a_file_that_is_mapped_is_not_read_at_once(tmp_path: Path, order: Any, k
     whole = sweep(RULES["asymptotic-decider"], Field.of(values), 103.5)
     assert len(mesh.simplices) > 1000
     assert mesh.vertices.tobytes() == whole.vertices.tobytes()
+
+
+def test_neither_the_volume_nor_the_mesh_has_to_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Issue "Faster than every library": bounded memory, whatever the mesh takes."""
+    monkeypatch.undo()
+    side = 200
+    mapped = np.lib.format.open_memmap(
+        tmp_path / "gyroid.npy", mode="w+", dtype=np.uint8, shape=(side,) * 3
+    )
+    wave = np.linspace(0, 40 * np.pi, side)
+    sine, cosine = np.sin(wave), np.cos(wave)
+    for i in range(side):
+        plane = sine[i] * cosine[:, None] + np.outer(sine, cosine) + sine * cosine[i]
+        mapped[i] = plane * 40 + 128
+    tracemalloc.start()
+    size = vertices = 0
+    for piece in slabs(mapped, 127.5):
+        size += piece.vertices.nbytes + piece.simplices.nbytes
+        vertices += len(piece.vertices)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert vertices > 1_000_000
+    assert size > 3 * peak
 
 
 def test_a_sample_that_is_not_finite_is_named_when_its_plane_is_read() -> None:

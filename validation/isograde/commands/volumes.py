@@ -10,16 +10,17 @@ from typing import TypeVar
 import numpy as np
 from isoref.attributes import filled
 from isoref.degenerate import without_degenerate
+from isoref.fast.slabs import slabs
 from isoref.field import Booleans, Field, FieldError
 from isoref.label_cubes import one_label
 from isoref.mesh import Mesh
-from isoref.methods import METHODS, surface
+from isoref.methods import METHODS, RULES, surface
 from rich.markup import escape
 
 from isograde.cases import volumes
 from isograde.commands.console import Exit, close_to, console, say, stop
 from isograde.formats.reading import Asked, Stored, VolumeError
-from isograde.formats.writing import MESH_FILES, write
+from isograde.formats.writing import MESH_FILES, write, write_pieces
 from isograde.frequencies import frequencies as count
 
 Number = TypeVar("Number", int, float)
@@ -71,7 +72,44 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
             write(mesh, name, stored.space)
             if not len(mesh.simplices):
                 say(_why_empty(field, number))
-            _tell(mesh, stored, name)
+            _tell(len(mesh.vertices), len(mesh.simplices), stored, name)
+    except (VolumeError, FieldError, OSError) as error:
+        stop(Exit.WRONG_USE, str(error))
+
+
+def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
+    """The same of a volume and a mesh that may be larger than the memory, as a PLY file."""
+    _check(wanted, out)
+    if wanted.labels or wanted.cap or wanted.absent or wanted.clean:
+        stop(
+            Exit.WRONG_USE, "--by-planes takes isovalues, and no --label, --cap, --absent, --clean"
+        )
+    if wanted.drawn_by not in RULES:
+        stop(
+            Exit.WRONG_USE,
+            f"{wanted.drawn_by} does not go by planes; {', '.join(sorted(RULES))} do",
+        )
+    if out.suffix.lower() != ".ply":
+        stop(Exit.WRONG_USE, f"--by-planes writes PLY, and {out} ends otherwise")
+    try:
+        stored = stored_named(volume, replace(asked, stays=True))
+        if wanted.space:
+            stored = stored.in_space(wanted.space)
+        place = Field.of_affine(np.zeros((1, 1, 1)), stored.affine)
+        for number in wanted.isovalues:
+            name = out.with_stem(f"{out.stem}-{number:g}") if len(wanted.isovalues) > 1 else out
+            found = slabs(
+                stored.values,
+                number,
+                place.spacing,
+                place.origin,
+                directions=place.directions,
+                rule=RULES[wanted.drawn_by],
+            )
+            vertices, triangles = write_pieces(found, name)
+            if not triangles:
+                say(f"no surface at {number:g}: all samples are on one side of it")
+            _tell(vertices, triangles, stored, name)
     except (VolumeError, FieldError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
 
@@ -121,10 +159,10 @@ def _why_empty(field: Field, number: float) -> str:
     return f"no surface at {number:g}: samples lie between {low:g} and {high:g}"
 
 
-def _tell(mesh: Mesh, stored: Stored, out: Path) -> None:
+def _tell(vertices: int, triangles: int, stored: Stored, out: Path) -> None:
     """What was written, and in which coordinates."""
     say(
-        f"{len(mesh.vertices):,} vertices, {len(mesh.simplices):,} triangles "
+        f"{vertices:,} vertices, {triangles:,} triangles "
         f"{_where(stored)}: [bold]{escape(str(out))}[/]"
     )
 

@@ -22,6 +22,7 @@ import re
 import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -59,6 +60,7 @@ class Asked:
     dtype : of a raw file, as NumPy spells it
     spacing : in place of the file's, along x, y, z
     absent : samples that are not finite are let in, for `isoref.attributes.filled`
+    stays : the samples stay in the file, to be read by planes (`isoref.fast.slabs`)
     """
 
     dataset: str | None = None
@@ -66,13 +68,14 @@ class Asked:
     dtype: str | None = None
     spacing: tuple[float, float, float] | None = None
     absent: bool = False
+    stays: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Stored:
     """A volume as a file has it.
 
-    values : (N1, N2, N3) samples, in the order of the library's axes
+    values : (N1, N2, N3) samples, in the order of the library's axes; or what they are read from
     affine : (4, 4) from (index, 1) to (position, 1)
     space : "RAS", "LPS", or "" where the file does not say
     unit : of positions, or "" where the file does not say
@@ -118,7 +121,7 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
         that holds several and nothing says which.
     """
     asked = asked or Asked()
-    reader = _reader_of(path)
+    reader = _reader_of(path, asked)
     try:
         if told := _unsafe(path):
             raise VolumeError(f"{path} cannot be read: {told}")
@@ -126,7 +129,7 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
             stored = reader(path, asked)
         if asked.spacing is not None:
             stored = replace(stored, affine=_respaced(stored.affine, asked.spacing))
-        if not asked.absent:
+        if not asked.absent and not asked.stays:
             _ = stored.field
     except VolumeError:
         raise
@@ -150,13 +153,15 @@ def _unsafe(path: Path) -> str:
     return check_vtk_image(path) if ending_of(path) == ".vti" else ""
 
 
-def _reader_of(path: Path) -> Reader:
+def _reader_of(path: Path, asked: Asked) -> Reader:
     """What reads this file or folder."""
     ending = ending_of(path)
-    if path.is_dir() and ending != ".zarr":
+    if path.is_dir() and ending != ".zarr" and not asked.stays:
         return _dicom_series
     if not path.exists():
         raise VolumeError(f"{path} is not a file")
+    if asked.stays and ending not in STAYS:
+        raise VolumeError(f"{path.name} cannot be read by planes; {', '.join(STAYS)} can")
     if ending not in READERS:
         raise VolumeError(
             f"{path.name} ends in none of {', '.join(sorted(READERS))}, and is no folder of DICOM"
@@ -205,9 +210,14 @@ def _stored(
     space: str = "",
     unit: str = "",
     notes: tuple[str, ...] = (),
+    *,
+    stays: bool = False,
 ) -> Stored:
-    """The volume of these samples, in this machine's byte order; else a FieldError."""
-    samples = native(values)
+    """The volume of these samples, in this machine's byte order; else a FieldError.
+
+    Those that stay in their file are left as they are.
+    """
+    samples = values if stays else native(values)
     if samples.ndim != 3:
         raise FieldError(f"an array of shape {samples.shape} is no volume, which has three axes")
     return Stored(samples, np.asarray(affine, np.float64), space, unit, notes)
@@ -264,12 +274,22 @@ def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ..
     return values[tuple(index)], notes
 
 
+def _volume_of(values: Any, along: Sequence[int], asked: Asked) -> tuple[Any, tuple[str, ...]]:
+    """As `_first_volume`; the whole, unread, where the samples stay in the file."""
+    if not asked.stays:
+        return _first_volume(values, along)
+    if len(along):
+        raise FieldError(f"an array of shape {values.shape} is read by planes only with three axes")
+    return values, ()
+
+
 # --- NumPy ---------------------------------------------------------------------------------------
 
 
-def _npy(path: Path, _: Asked) -> Stored:
+def _npy(path: Path, asked: Asked) -> Stored:
     """A NumPy array; its axes are x, y, z."""
-    return _stored(np.load(path, allow_pickle=False), np.eye(4))
+    values = np.load(path, mmap_mode="r" if asked.stays else None, allow_pickle=False)
+    return _stored(values, np.eye(4), stays=asked.stays)
 
 
 def _npz(path: Path, asked: Asked) -> Stored:
@@ -302,8 +322,11 @@ def _raw(path: Path, asked: Asked) -> Stored:
             f"it holds {found // dtype.itemsize} samples ({found:,} bytes), where {shape} of type "
             f"{dtype} are {expected:,} bytes"
         )
-    values = np.fromfile(path, dtype).reshape(asked.shape[::-1])
-    return _stored(values, _counting_x_last())
+    if asked.stays:
+        values: NDArray[Any] = np.memmap(path, dtype, "r", shape=asked.shape[::-1])
+    else:
+        values = np.fromfile(path, dtype).reshape(asked.shape[::-1])
+    return _stored(values, _counting_x_last(), stays=asked.stays)
 
 
 # --- Scans ---------------------------------------------------------------------------------------
@@ -491,7 +514,11 @@ def _size_of_voxel(file: Any) -> tuple[list[float], str]:
 def _hdf5(path: Path, asked: Asked) -> Stored:
     """A dataset of an HDF5 file, with ImageJ's and ilastik's `element_size_um` where it has it."""
     h5py = library("h5py")
-    with h5py.File(path, "r") as file:
+    with ExitStack() as stack:
+        # A file whose samples stay in it stays open as long as they are used.
+        file = h5py.File(path, "r")
+        if not asked.stays:
+            stack.enter_context(file)
         found: list[str] = []
 
         def note(name: str, item: Any) -> None:
@@ -501,12 +528,12 @@ def _hdf5(path: Path, asked: Asked) -> Stored:
         file.visititems(note)
         name = _one_of(found, asked.dataset and asked.dataset.strip("/"), "dataset of three axes")
         data = file[name]
-        values, notes = _first_volume(data, range(data.ndim - 3))
+        values, notes = _volume_of(data, range(data.ndim - 3), asked)
         size = data.attrs.get("element_size_um")
     if size is None:
-        return _stored(values, _counting_x_last(), notes=notes)
+        return _stored(values, _counting_x_last(), notes=notes, stays=asked.stays)
     steps = [float(s) for s in np.ravel(size)][::-1]
-    return _stored(values, _counting_x_last(steps), "", "µm", notes)
+    return _stored(values, _counting_x_last(steps), "", "µm", notes, stays=asked.stays)
 
 
 def _zarr(path: Path, asked: Asked) -> Stored:
@@ -514,15 +541,15 @@ def _zarr(path: Path, asked: Asked) -> Stored:
     zarr = library("zarr")
     root = zarr.open(str(path), mode="r")
     if not hasattr(root, "attrs") or hasattr(root, "shape"):
-        values, notes = _first_volume(root, range(root.ndim - 3))
-        return _stored(values, _counting_x_last(), notes=notes)
+        values, notes = _volume_of(root, range(root.ndim - 3), asked)
+        return _stored(values, _counting_x_last(), notes=notes, stays=asked.stays)
     metadata = dict(root.attrs)
     scales = metadata.get("ome", metadata).get("multiscales")
     if not scales:
         names = [name for name, array in root.arrays() if array.ndim >= 3]
         name = _one_of(names, asked.dataset, "array of three axes")
-        values, notes = _first_volume(root[name], range(root[name].ndim - 3))
-        return _stored(values, _counting_x_last(), notes=notes)
+        values, notes = _volume_of(root[name], range(root[name].ndim - 3), asked)
+        return _stored(values, _counting_x_last(), notes=notes, stays=asked.stays)
     return _ome(root, scales[0], asked)
 
 
@@ -549,16 +576,20 @@ def _ome(root: Any, image: Mapping[str, Any], asked: Asked) -> Stored:
             scale, shift = scale * step["scale"], shift * step["scale"]
         elif step["type"] == "translation":
             shift = shift + step["translation"]
-    values, notes = _first_volume(data, [a for a in range(data.ndim) if a not in spatial])
+    values, notes = _volume_of(data, [a for a in range(data.ndim) if a not in spatial], asked)
     affine = np.eye(4)
     affine[:3] = 0.0
     for a, axis in enumerate(spatial):
         along = "xyz".index(names[axis])
         affine[along, a], affine[along, 3] = scale[axis], shift[axis]
-    return _stored(values, affine, "", str(axes[spatial[0]].get("unit", "")), notes)
+    unit = str(axes[spatial[0]].get("unit", ""))
+    return _stored(values, affine, "", unit, notes, stays=asked.stays)
 
 
 Reader = Callable[[Path, Asked], Stored]
+
+#: Files whose samples can stay where they are.
+STAYS = (".npy", ".raw", ".h5", ".hdf5", ".zarr")
 
 READERS: dict[str, Reader] = {
     ".npy": _npy,

@@ -8,19 +8,22 @@
 | npz | NumPy: `vertices`, `faces`, and `space` |
 
 What meshio writes in more than one file, or cannot read back, is left out. STL, PLY and glTF hold
-single precision, whatever they are given.
+single precision, whatever they are given. A mesh that comes piece by piece is written to PLY as it
+comes (`write_pieces`), which holds what it is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from isoref.fast.slabs import Slab
 from isoref.mesh import Mesh
 
-from isograde.formats.reading import library
+from isograde.formats.reading import VolumeError, library
 
 TRIMESH = (".ply", ".obj", ".off", ".stl", ".glb", ".3mf")
 MESHIO = (".vtk", ".vtu", ".msh", ".inp", ".mesh", ".med", ".avs", ".tec")
@@ -45,6 +48,63 @@ def write(mesh: Mesh, path: Path, space: str = "") -> None:
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def write_pieces(pieces: Iterable[Slab], path: Path) -> tuple[int, int]:
+    """The PLY file holds the mesh of all pieces, and nothing of them was kept in memory.
+
+    Positions are double or float, as they come; triangles are uint, which numbers 2^32 vertices.
+    Where it goes wrong, nothing half-written stays. Returns how many vertices and triangles.
+
+    Raises
+    ------
+    VolumeError
+        where there are more vertices than PLY can number.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    drafts = [path.with_name(f".{path.stem}.{part}.tmp.ply") for part in ("vertices", "faces")]
+    vertices = triangles = 0
+    real = "double"
+    try:
+        with drafts[0].open("w+b") as file, drafts[1].open("w+b") as faces:
+            # Leave room for a header, whose numbers are known last.
+            file.write(_ply_header(0, 0, real))
+            for piece in pieces:
+                real = "double" if piece.vertices.dtype == np.float64 else "float"
+                vertices += len(piece.vertices)
+                triangles += len(piece.simplices)
+                if vertices > 1 << 32:
+                    raise VolumeError(f"{vertices:,} vertices are more than a PLY file can number")
+                file.write(piece.vertices.astype(piece.vertices.dtype.newbyteorder("<")).tobytes())
+                rows = np.empty(len(piece.simplices), PLY_FACE)
+                rows["count"], rows["corners"] = 3, piece.simplices
+                faces.write(rows.tobytes())
+            faces.seek(0)
+            shutil.copyfileobj(faces, file)
+            file.seek(0)
+            file.write(_ply_header(vertices, triangles, real))
+        drafts[0].replace(path)
+    finally:
+        for draft in drafts:
+            draft.unlink(missing_ok=True)
+    return vertices, triangles
+
+
+PLY_FACE = np.dtype([("count", "u1"), ("corners", "<u4", 3)])
+
+
+def _ply_header(vertices: int, triangles: int, real: str) -> bytes:
+    """The header of a binary PLY file, of one length whatever the numbers are."""
+    lines = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {vertices}",
+        *(f"property {real} {axis}" for axis in "xyz"),
+        f"element face {triangles}",
+        "property list uchar uint vertex_indices",
+    ]
+    rest = 300 - sum(len(line) + 1 for line in lines) - len("comment \nend_header\n")
+    return "\n".join([*lines, f"comment {'-' * rest}", "end_header", ""]).encode("ascii")
 
 
 def _writer(ending: str) -> Callable[[Mesh, Path, str], None]:
