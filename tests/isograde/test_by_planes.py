@@ -1,5 +1,6 @@
 """`isograde extract --by-planes`: volumes that stay in their files, meshes written as they come."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from isograde.command import app
 from isograde.formats.reading import VolumeError
 from isograde.formats.writing import write_pieces
 from isoref import extract
-from isoref.fast.slabs import Slab, slabs
+from isoref.fast.slabs import slabs
 from typer.testing import CliRunner
 
 trimesh: Any = pytest.importorskip("trimesh")
@@ -34,6 +35,12 @@ def stored(folder: Path, kind: str) -> list[str]:
         array = zarr.create_array(path, shape=VALUES.shape, chunks=(5, 4, 4), dtype=VALUES.dtype)
         array[:] = VALUES
     return [str(path)]
+
+
+def pieces(values: Any, isovalue: float, precision: Any = "double") -> Iterator[tuple[Any, Any]]:
+    """The surface as `write_pieces` takes it."""
+    for slab in slabs(values, isovalue, precision=precision):
+        yield slab.vertices, slab.simplices
 
 
 @pytest.mark.parametrize("method", ["asymptotic-decider", "trilinear-cubes"])
@@ -96,7 +103,7 @@ def test_nothing_half_written_stays(tmp_path: Path) -> None:
     values = VALUES.copy()
     values[9, 0, 0] = np.nan
     with pytest.raises(ValueError, match=r"sample \(9, 0, 0\) is nan"):
-        write_pieces(slabs(values, 0.0), out)
+        write_pieces(pieces(values, 0.0), out)
     assert out.read_text(encoding="utf-8") == "the last one"
     assert list(tmp_path.iterdir()) == [out]
 
@@ -108,7 +115,7 @@ def test_more_vertices_than_ply_can_number_are_refused(tmp_path: Path) -> None:
         def __len__(self) -> int:
             return (1 << 32) + 1
 
-    many = Slab(0, np.empty((0, 3)).view(Long), np.empty((0, 3), np.int64))
+    many = np.empty((0, 3)).view(Long), np.empty((0, 3), np.int64)
     with pytest.raises(VolumeError, match="4,294,967,297 vertices are more"):
         write_pieces([many], tmp_path / "mesh.ply")
 
@@ -116,7 +123,7 @@ def test_more_vertices_than_ply_can_number_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_ply_has_the_numbers_that_it_is_given(precision: Any, tmp_path: Path) -> None:
     """No piece at all is an empty mesh, which every reader takes."""
-    counts = write_pieces(slabs(VALUES, 0.1, precision=precision), tmp_path / "mesh.ply")
+    counts = write_pieces(pieces(VALUES, 0.1, precision), tmp_path / "mesh.ply")
     came = trimesh.load(tmp_path / "mesh.ply", process=False)
     whole = extract(VALUES, 0.1, precision=precision)
     assert (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -372,6 +373,9 @@ def test_rubbish_is_refused_in_one_sentence(ending: str, tmp_path: Path) -> None
         read(path, asked)
     assert len(str(told.value).splitlines()) == 1
     assert path.name in str(told.value)
+    # What is left open is found out here, and not laid at another test.
+    del told
+    gc.collect()
 
 
 def test_colours_and_pictures_are_no_volumes(tmp_path: Path) -> None:

@@ -106,7 +106,7 @@ def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> N
                 directions=place.directions,
                 rule=RULES[wanted.drawn_by],
             )
-            vertices, triangles = write_pieces(found, name)
+            vertices, triangles = write_pieces(((s.vertices, s.simplices) for s in found), name)
             if not triangles:
                 say(f"no surface at {number:g}: all samples are on one side of it")
             _tell(vertices, triangles, stored, name)

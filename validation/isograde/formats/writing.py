@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from isoref.fast.slabs import Slab
+from isoref.field import Array
 from isoref.mesh import Mesh
 
 from isograde.formats.reading import VolumeError, library
@@ -50,11 +50,12 @@ def write(mesh: Mesh, path: Path, space: str = "") -> None:
         draft.unlink(missing_ok=True)
 
 
-def write_pieces(pieces: Iterable[Slab], path: Path) -> tuple[int, int]:
+def write_pieces(pieces: Iterable[tuple[Array, Array]], path: Path) -> tuple[int, int]:
     """The PLY file holds the mesh of all pieces, and nothing of them was kept in memory.
 
-    Positions are double or float, as they come; triangles are uint, which numbers 2^32 vertices.
-    Where it goes wrong, nothing half-written stays. Returns how many vertices and triangles.
+    A piece is new vertices (V, 3) and triangles (T, 3), which number all vertices so far. Positions
+    are double or float, as they come; triangles are uint, which numbers 2^32 vertices. Where it
+    goes wrong, nothing half-written stays. Returns how many vertices and triangles there are.
 
     Raises
     ------
@@ -69,15 +70,15 @@ def write_pieces(pieces: Iterable[Slab], path: Path) -> tuple[int, int]:
         with drafts[0].open("w+b") as file, drafts[1].open("w+b") as faces:
             # Leave room for a header, whose numbers are known last.
             file.write(_ply_header(0, 0, real))
-            for piece in pieces:
-                real = "double" if piece.vertices.dtype == np.float64 else "float"
-                vertices += len(piece.vertices)
-                triangles += len(piece.simplices)
+            for points, corners in pieces:
+                real = "double" if points.dtype == np.float64 else "float"
+                vertices += len(points)
+                triangles += len(corners)
                 if vertices > 1 << 32:
                     raise VolumeError(f"{vertices:,} vertices are more than a PLY file can number")
-                file.write(piece.vertices.astype(piece.vertices.dtype.newbyteorder("<")).tobytes())
-                rows = np.empty(len(piece.simplices), PLY_FACE)
-                rows["count"], rows["corners"] = 3, piece.simplices
+                file.write(points.astype(points.dtype.newbyteorder("<")).tobytes())
+                rows = np.empty(len(corners), PLY_FACE)
+                rows["count"], rows["corners"] = 3, corners
                 faces.write(rows.tobytes())
             faces.seek(0)
             shutil.copyfileobj(faces, file)
