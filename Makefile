@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages docs slides clean
+.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages site linkcheck slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -24,7 +24,8 @@ help:
 	@echo "make league      build and grade every package of validation/league, and write the page to choose by"
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make packages    wheel and sdist into dist, checked by twine"
-	@echo "make docs        the site, in docs/_build"
+	@echo "make site        the site, in docs/_build; opens from disk"
+	@echo "make linkcheck   the site's links to other places; says which cannot be reached"
 	@echo "make slides      the films of the course and its slides, in docs/_build/slides"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
 	@echo "make benchmarks  speed and memory beside the peers"
@@ -87,13 +88,18 @@ league: $(STAMP)
 benchmarks: $(STAMP)
 	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
-docs: $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
-	$(BIN)/python -m sphinx -W -q -b html docs docs/_build
+# Without a network, but for the packages. A warning stops it, and so does a link that leads nowhere.
+site: $(STAMP)
+	$(BIN)/python -m sphinx -W --keep-going -q -j 2 -b html docs docs/_build
+	$(BIN)/python docs/_ext/isosite/links.py docs/_build
+	@echo "open docs/_build/index.html"
+
+linkcheck: $(STAMP)
+	$(BIN)/python -m sphinx -q -b linkcheck -D plot_gallery=0 docs docs/_build/linkcheck || true
+	$(BIN)/python docs/_ext/isosite/links.py --elsewhere docs/_build/linkcheck
 
 # Beside the site, whose explorer they show; the films are those of the lessons.
 slides: $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
 	$(BIN)/python docs/course/figures.py
 	$(BIN)/python -m sphinx -W -q -b revealjs docs/course/slides docs/_build/slides
 
@@ -106,4 +112,4 @@ explorer: $(STAMP)
 	cd docs/explorer && npm run --silent check && npm run --silent build
 
 clean:
-	rm -rf $(VENV) report build dist validation/proofs/build
+	rm -rf $(VENV) report build dist validation/proofs/build docs/_build

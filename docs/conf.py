@@ -1,87 +1,85 @@
-"""The site: the articles as they stand in the source, and a gallery.
+"""The site: texts of the repository, articles from the source, a course, an explorer.
 
-The docstring of a module is its text; what follows it is shown as code.
+What is written here is how Sphinx is set; what is made for it, and from what, is told in
+`_ext/isosite`.
 """
 
 from __future__ import annotations
 
-import ast
-import re
+import sys
 from pathlib import Path
-from textwrap import indent
 
 HERE = Path(__file__).parent
-SOURCES = {
-    "isoref": HERE.parent / "reference" / "isoref",
-    "isograde": HERE.parent / "validation" / "isograde",
-}
-# The order in which to read the reference.
-CHAPTERS = {
-    "Marching cubes": ("lorensen_cline", "cycles", "cube", "rule", "sweep", "field", "mesh"),
-    "Its repair": ("asymptotic_decider", "diagonals", "trilinear_cubes", "methods"),
-    "Volume-enclosing surfaces": (
-        "diconex",
-        "vesta",
-        "marching_vesta",
-        "freeze_out",
-        "hypersurface",
-    ),
-    "Other families": (
-        "dual",
-        "surface_nets",
-        "dual_marching_cubes",
-        "label_cubes",
-        "marching_tetrahedra",
-        "attributes",
-        "capping",
-        "degenerate",
-        "ties",
-    ),
-    "Where two isosurfaces meet": (
-        "curves",
-        "marching_faces",
-        "hermite",
-        "surface_intersection",
-        "plane_waves",
-    ),
-    "Any dimension and codimension": (
-        "kuhn",
-        "simplex_section",
-        "simplicial",
-        "recursive_sections",
-        "face_tracing",
-        "hypercubes",
-        "dyadic",
-        "projection",
-    ),
-    "The fast twins": (
-        "fast.sweep",
-        "fast.diconex",
-        "fast.vesta",
-        "fast.dual",
-        "fast.marching_tetrahedra",
-        "fast.marching_faces",
-        "fast.surface_intersection",
-        "fast.simplicial",
-        "fast.dyadic",
-    ),
-}
+for folder in (
+    HERE / "_ext",
+    HERE,
+    HERE.parent,
+    HERE.parent / "reference",
+    HERE.parent / "validation",
+):
+    sys.path.insert(0, str(folder))
 
 project = "isograde"
 author = "the isograde authors"
 copyright = "2026, the isograde authors"
-extensions = ["sphinx_gallery.gen_gallery"]
-exclude_patterns = ["_build", "examples", "explorer"]
+extensions = [
+    "myst_parser",
+    "sphinx_gallery.gen_gallery",
+    "sphinx_design",
+    "sphinx_copybutton",
+    "isosite",
+]
+exclude_patterns = ["_build", "examples", "explorer", "ci", "course/solutions", "**/.*"]
+source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 highlight_language = "text"
-html_theme = "alabaster"
+nitpicky = True
+
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_inline"]
+myst_heading_anchors = 4
+# TeX becomes MathML while the site is built: no script, no font, no network.
+html_math_renderer = "mathml"
+
+html_theme = "pydata_sphinx_theme"
+html_title = "isograde"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_last_updated_fmt = None
 # The explorer is a page of its own, at the root of the site.
 html_extra_path = ["explorer/explorer.html"]
+html_context = {"default_mode": "light"}
 html_theme_options = {
-    "description": "Isosurfaces, written to be read, and graded.",
-    "page_width": "1240px",
-    "body_max_width": "960px",
-    "code_font_size": "0.82em",
+    "logo": {"text": "isograde"},
+    "navbar_start": ["navbar-logo"],
+    "navbar_end": ["theme-switcher"],
+    "navbar_persistent": ["search-button"],
+    "header_links_before_dropdown": 7,
+    "navigation_depth": 3,
+    "show_nav_level": 1,
+    "show_toc_level": 2,
+    "collapse_navigation": True,
+    "navigation_with_keys": False,
+    "secondary_sidebar_items": {"**": ["page-toc"], "index": []},
+    "article_footer_items": [],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "pygments_light_style": "tango",
+    "pygments_dark_style": "monokai",
 }
+html_sidebars = {
+    "index": [],
+    "changelog": [],
+    "start": [],
+    "articles/**": ["chapters.html"],
+    "tests/**": ["chapters.html"],
+}
+templates_path = ["_templates"]
+
+# Prompts are not copied.
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
 sphinx_gallery_conf = {
     "examples_dirs": "examples",
     "gallery_dirs": "auto_examples",
@@ -89,95 +87,13 @@ sphinx_gallery_conf = {
     "filename_pattern": "/plot_",
     "download_all_examples": False,
     "show_memory": False,
+    "show_signature": False,
+    "write_computation_times": False,
 }
 
-
-def heading(title: str, underline: str) -> str:
-    """A title of reStructuredText."""
-    return f"{title}\n{underline * len(title)}\n\n"
-
-
-def is_table(paragraph: str) -> bool:
-    """Whether a paragraph is laid out in columns, or as numbered references."""
-    return bool(re.search(r"^\S.*? {2,}\S", paragraph, re.MULTILINE) or paragraph.startswith("["))
-
-
-def prose(docstring: str) -> str:
-    """The docstring without its first line: text as text, columns and drawings as they are."""
-    _, _, body = docstring.partition("\n")
-    parts = [""]
-    for paragraph in re.split(r"\n{2,}", body.strip("\n")):
-        title = re.fullmatch(r"(\S.*)\n-{4,}(?:\n(.*))?", paragraph, re.DOTALL)
-        if title:
-            parts.append(heading(title[1], "-"))
-            paragraph = title[2] or ""
-        drawn = paragraph.startswith(" ") and not parts[-1].rstrip().endswith("::")
-        if is_table(paragraph) or (drawn and not parts[-1].startswith(" ")):
-            parts.append(literal(paragraph))
-        else:
-            # A bar is a bar, and no substitution; code stays as it is.
-            shown = paragraph if paragraph.startswith(" ") else bars(paragraph)
-            parts.append(shown + "\n\n")
-    return "".join(parts)
-
-
-def bars(paragraph: str) -> str:
-    """The paragraph with its bars escaped, but for those in code."""
-    pieces = re.split(r"(``.*?``)", paragraph, flags=re.DOTALL)
-    return "".join(p if p.startswith("``") else p.replace("|", "\\|") for p in pieces)
-
-
-def literal(text: str) -> str:
-    """The text as it is."""
-    return ".. code-block:: text\n\n" + indent(text, "   ") + "\n\n"
-
-
-def article(source: Path, name: str, path: Path) -> str:
-    """The page of a module."""
-    tree = ast.parse(source.read_text(encoding="utf-8"))
-    docstring = ast.get_docstring(tree)
-    assert docstring is not None, f"{source} has no docstring"
-    title = docstring.partition("\n")[0].rstrip(".").replace("`", "")
-    start = (tree.body[0].end_lineno or 0) + 1
-    code = f".. literalinclude:: {path}\n   :language: python\n   :lines: {start}-\n"
-    return (
-        heading(title, "=")
-        + f"``{name}``\n\n"
-        + prose(docstring)
-        + heading("The code", "-")
-        + code
-        + "   :lineno-match:\n"
-    )
-
-
-def write_articles(package: str, title: str) -> None:
-    """One page a module of the package, and their index."""
-    source = SOURCES[package]
-    folder = HERE / "articles" / package
-    folder.mkdir(parents=True, exist_ok=True)
-    modules = sorted(p.relative_to(source) for p in source.rglob("*.py") if p.stem[0] != "_")
-    for module in modules:
-        name = ".".join((package, *module.with_suffix("").parts))
-        path = Path("..") / ".." / ".." / source.relative_to(HERE.parent) / module
-        (folder / f"{name}.rst").write_text(article(source / module, name, path), encoding="utf-8")
-    chapters = CHAPTERS if package == "isoref" else by_folder(modules)
-    index = heading(title, "=") + "".join(
-        f".. toctree::\n   :maxdepth: 1\n   :caption: {caption}\n\n"
-        + "".join(f"   {package}.{name}\n" for name in names)
-        + "\n"
-        for caption, names in chapters.items()
-    )
-    (folder / "index.rst").write_text(index, encoding="utf-8")
-
-
-def by_folder(modules: list[Path]) -> dict[str, tuple[str, ...]]:
-    """Dotted names of modules, those of each folder under its name."""
-    folders: dict[str, tuple[str, ...]] = {}
-    for module in modules:
-        key = module.parent.name or "From adapter to report"
-        folders[key] = (*folders.get(key, ()), ".".join(module.with_suffix("").parts))
-    return folders
-
-
-write_articles("isoref", "The reference")
-write_articles("isograde", "The grader")
+linkcheck_anchors = False
+linkcheck_timeout = 8
+linkcheck_retries = 1
+linkcheck_workers = 8
+# A placeholder until the project has a home (pyproject.toml).
+linkcheck_ignore = [r"https://isograde\.invalid/.*"]

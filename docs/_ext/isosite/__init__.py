@@ -1,0 +1,74 @@
+"""What the site makes from the repository while it is built.
+
+==============  ====================================================================================
+module          what
+==============  ====================================================================================
+`formulas`      formulas of the source, read and turned into TeX
+`mathml`        TeX turned into MathML, so that mathematics needs no network
+`prose`         docstrings as pages: headings, definitions, references with DOIs, drawings
+`modules`       the parts of a module in the order of its file, and a label for every name
+`evidence`      which tests and claims pin what, from what they name
+`articles`      pages of modules, plain and fast side by side, pages of tests
+`reference`     the interfaces and the catalogue of claims
+`repository`    the repository's Markdown as pages with links that work, reports served as they are
+`pictures`      what `docs/_ext/pictures` draws, beside the paragraph it explains
+`differences`   pages on which two algorithms are compared by counting
+`notebooks`     lessons and programs as notebooks
+`commands`      commands of the site, run while it is built
+`links`         whether every link inside the built site leads somewhere
+`writing`       files made by a build, and removed when nothing makes them any more
+==============  ====================================================================================
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from sphinx.application import Sphinx
+
+from isosite import (
+    articles,
+    commands,
+    differences,
+    mathml,
+    notebooks,
+    pictures,
+    reference,
+    repository,
+)
+from isosite.writing import Pages
+
+
+def make_pages(app: Sphinx) -> None:
+    """Write what is made, before Sphinx looks for its sources."""
+    pages = Pages(Path(app.srcdir))
+    repository.write(pages)
+    articles.write(pages, pictures.draw_all(pages))
+    reference.write(pages)
+    differences.write(pages)
+    pages.close()
+
+
+def beside(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """Give articles the chapters of their package for the side."""
+    if page.startswith(("articles/", "tests/")):
+        context.update(articles.sidebar(page))
+
+
+def finish(app: Sphinx, failure: Exception | None) -> None:
+    """Lay the grader's own pages and the notebooks beside the site's."""
+    if failure is None and app.builder.format == "html":
+        repository.serve(Path(app.outdir))
+        notebooks.write(app)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Tell Sphinx what is made, and when."""
+    mathml.setup(app)
+    commands.setup(app)
+    notebooks.setup(app)
+    app.connect("builder-inited", make_pages, priority=100)
+    app.connect("html-page-context", beside)
+    app.connect("build-finished", finish)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

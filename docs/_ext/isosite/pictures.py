@@ -1,0 +1,54 @@
+"""Draws what `docs/_ext/pictures` registers, and sets each picture beside the paragraph it explains."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from pathlib import Path
+
+from isosite.evidence import PACKAGES, ROOT
+from isosite.writing import Pages
+
+FOLDER = "articles/pictures"
+
+
+def fingerprint() -> str:
+    """A number for all that a picture may hang on: programs that draw, and the reference."""
+    digest = hashlib.sha256()
+    for folder in (ROOT / "docs" / "_ext" / "pictures", PACKAGES["isoref"]):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def draw_all(pages: Pages) -> dict[str, str]:
+    """Every picture as reStructuredText, by the dotted name of what it stands beside.
+
+    They are drawn again only when a program that draws or the reference has changed.
+    """
+    from pictures import REGISTERED, families, fields, surfaces  # noqa: F401 - importing registers
+
+    mark = fingerprint()
+    known = Path(pages.folder, f"{FOLDER}/fingerprint")
+    fresh = known.is_file() and known.read_text(encoding="utf-8") == mark
+    shown: dict[str, str] = {}
+    for name, (beside, draw) in REGISTERED.items():
+        png, txt = f"{FOLDER}/{name}.png", f"{FOLDER}/{name}.txt"
+        if not (fresh and pages.has(png) and pages.has(txt)):
+            picture = draw()
+            data = io.BytesIO()
+            picture.figure.savefig(data, format="png", dpi=150, metadata={"Software": None})
+            pages.put(png, data.getvalue())
+            pages.put(txt, picture.caption)
+        caption = Path(pages.folder, txt).read_text(encoding="utf-8")
+        shown[beside] = shown.get(beside, "") + figure(name, caption)
+    pages.put(f"{FOLDER}/fingerprint", mark)
+    return shown
+
+
+def figure(name: str, caption: str) -> str:
+    """A figure with its caption, which is also what stands for it where it is not seen."""
+    return (
+        f".. figure:: /{FOLDER}/{name}.png\n   :alt: {caption}\n   :class: drawn\n\n"
+        f"   {caption}\n\n"
+    )

@@ -1,0 +1,1 @@
+"""Pictures of curves, fields and any dimension."""

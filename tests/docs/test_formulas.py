@@ -1,0 +1,122 @@
+"""The site's reading of formulas: what is one becomes mathematics, and words stay words."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from isosite.formulas import as_tex, displayed, symbol, with_formulas
+from isosite.mathml import mathml
+from isosite.modules import modules
+from isosite.prose import Scope, line_of, rst_of
+
+
+@pytest.mark.parametrize(
+    ("source", "tex"),
+    [
+        ("S = (a c - b d) / (a + c - b - d)", r"S = \frac{a\, c - b\, d}{a + c - b - d}"),
+        ("c1^2 - 4 c0 c2", r"{c_{1}}^{2} - 4\, c_{0}\, c_{2}"),
+        ("0 <= v_(k-1) < e'", r"0 \le v_{k-1} < e'"),
+        ("|phi(b) - phi(a)|", r"|\phi(b) - \phi(a)|"),
+        ("sqrt(x^2 + 1)", r"\sqrt{{x}^{2} + 1}"),
+        ("-a", "-a"),
+        ("(n - m)! / n!", r"\frac{(n - m)!}{n!}"),
+    ],
+)
+def test_a_formula_of_the_source_is_read(source: str, tex: str) -> None:
+    """The grammar in the module's docstring."""
+    assert as_tex(source) == tex
+    ElementTree.fromstring(mathml(tex, display=True))
+
+
+@pytest.mark.parametrize(
+    "text", ["the saddle", "a = ", "(a", "a )", "min", "S == T ==", "x_", "Fig. 2"]
+)
+def test_what_cannot_be_read_is_left(text: str) -> None:
+    """No half of a formula is shown as one."""
+    assert as_tex(text) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A cell in a 2 x 2 x 2 block, a 3-cycle and the n-th of 0 .. 7; see sections 1 - 3.",
+        "I have an end; a point on a face, either/or, x-axis.",
+        "``a + b`` and *a + b* and `a + b` are marked already.",
+        "A line [1] of text.",
+    ],
+)
+def test_words_are_no_formulas(text: str) -> None:
+    """Prose without a formula comes out as it was."""
+    assert with_formulas(text) == text
+
+
+def test_formulas_are_found_among_words() -> None:
+    """The longest run that says something; an article before it is left alone."""
+    assert with_formulas("where a = B00, and a c < b d holds.") == (
+        r"where :math:`a = B_{00}`, and :math:`a\, c < b\, d` holds."
+    )
+    assert with_formulas("a k-simplex where k = n - m") == "a k-simplex where :math:`k = n - m`"
+    assert with_formulas("f(x) = 0 or 1") == ":math:`f(x) = 0` or 1"
+
+
+def test_a_block_is_mathematics_only_if_every_line_is() -> None:
+    """A drawing with a formula in it stays a drawing."""
+    assert (
+        displayed("  a = b\n  c < d    where it ends")
+        == r"a = b \\ c < d \qquad \text{where it ends}"
+    )
+    assert displayed("  a = b\n  o-----o") is None
+    assert displayed("  one word") is None
+
+
+def test_symbols_have_their_indices() -> None:
+    """Digits behind a letter are an index, as papers write them."""
+    assert [symbol(s) for s in ("B00", "c_1", "alpha", "w_(i+1)")] == [
+        "B_{00}",
+        "c_{1}",
+        r"\alpha",
+        "w_{i+1}",
+    ]
+
+
+def test_every_formula_of_the_reference_becomes_mathematics() -> None:
+    """MathML without an error or a rest of TeX, for each formula that is found in isoref."""
+    formulas = set()
+    for module in modules("isoref").values():
+        text = rst_of(module.doc, Scope())
+        for part in module.definitions().values():
+            text += (
+                line_of(part.doc.partition("\n")[0], Scope()) + "\n\n" + rst_of(part.doc, Scope())
+            )
+        formulas |= set(re.findall(r":math:`(.+?)`", text, re.DOTALL))
+        formulas |= {m.strip() for m in re.findall(r"\.\. math::\n   :nowrap:\n\n   (.+)\n", text)}
+    assert len(formulas) > 150
+    for tex in formulas:
+        ElementTree.fromstring(mathml(tex, display=False))
+
+
+def test_no_symbol_for_something_unknown_is_shown() -> None:
+    """A formula that cannot be read is an error with its text, not a red box on the page."""
+    with pytest.raises(ValueError, match="foo"):
+        mathml(r"\foo{", display=False)
+
+
+def test_the_reference_has_its_formulas_where_its_papers_have_them() -> None:
+    """The decider's saddle and the quadratic of the tunnel are displayed or inline mathematics."""
+    decider = modules("isoref")["isoref.asymptotic_decider"].definitions()["saddle"].doc
+    assert r"\,B_{11} - B_{01}\, B_{10}" in rst_of(decider, Scope()).replace(
+        r"\, B_{11}", r"\,B_{11}"
+    )
+    tunnel = modules("isoref")["isoref.trilinear_cubes"].doc
+    assert ".. math::" in rst_of(tunnel, Scope())
+
+
+def test_here_is_the_site() -> None:
+    """The modules under test are those of docs."""
+    assert (
+        Path(as_tex.__code__.co_filename).parent
+        == Path(__file__).parents[2] / "docs" / "_ext" / "isosite"
+    )
