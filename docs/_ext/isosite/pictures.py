@@ -1,4 +1,4 @@
-"""Draws what `docs/_ext/pictures` registers, and sets each picture beside the paragraph it explains."""
+"""Draws what `docs/_ext/pictures` registers, and sets it beside the paragraph it explains."""
 
 from __future__ import annotations
 
