@@ -1,8 +1,10 @@
 """Every Hypothesis test is deterministic, so that a failure is reproduced by naming the test."""
 
 import os
+import re
 import subprocess
 import sys
+import venv
 from pathlib import Path
 
 import matplotlib
@@ -38,3 +40,18 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder
+
+
+@pytest.fixture(scope="session")
+def clean(packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An environment that holds the wheel and what it needs, and nothing else."""
+    place = tmp_path_factory.mktemp("clean")
+    venv.create(place, with_pip=True)
+    (wheel,) = packages.glob("*.whl")
+    constraints = Path(__file__).parent.parent / "constraints.txt"
+    install = [str(place / "bin" / "pip"), "install", "-q", "-c", str(constraints), str(wheel)]
+    done = subprocess.run(install, capture_output=True, encoding="utf-8", check=False)
+    if done.returncode and re.search(r"connection|resolve|network", done.stderr, re.I):
+        pytest.skip(f"no package index: {done.stderr[-200:]}")
+    assert done.returncode == 0, done.stderr
+    return place

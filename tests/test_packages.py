@@ -4,7 +4,6 @@ import re
 import subprocess
 import sys
 import tomllib
-import venv
 from pathlib import Path
 
 import pytest
@@ -129,27 +128,10 @@ def extract(values, isovalue, spacing):
 
 
 @pytest.mark.slow
-def test_the_wheel_alone_checks_and_grades_ones_own_function(
-    packages: Path, tmp_path: Path
-) -> None:
+def test_the_wheel_alone_checks_and_grades_ones_own_function(clean: Path, tmp_path: Path) -> None:
     """In a clean environment, base alone: under 300 MB, and what is missing says its extra."""
-    place = tmp_path / "clean"
-    venv.create(place, with_pip=True)
-    binaries = place / "bin"
-    (wheel,) = packages.glob("*.whl")
-    install = [
-        str(binaries / "pip"),
-        "install",
-        "-q",
-        "-c",
-        str(ROOT / "constraints.txt"),
-        str(wheel),
-    ]
-    done = subprocess.run(install, capture_output=True, encoding="utf-8", check=False)
-    if done.returncode and re.search(r"connection|resolve|network", done.stderr, re.I):
-        pytest.skip(f"no package index: {done.stderr[-200:]}")
-    assert done.returncode == 0, done.stderr
-    (packed,) = place.glob("lib/python*/site-packages")
+    binaries = clean / "bin"
+    (packed,) = clean.glob("lib/python*/site-packages")
     listed = subprocess.run(
         [str(binaries / "pip"), "list", "--format", "freeze"],
         capture_output=True,

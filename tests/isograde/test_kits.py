@@ -93,6 +93,16 @@ def test_a_kit_has_all_its_files_and_speaks_briefly(name: str) -> None:
     assert len((place / kit.speaks).read_text(encoding="utf-8").splitlines()) <= LONGEST
 
 
+def test_the_readme_has_a_row_for_each_kit_and_says_which_language_has_none() -> None:
+    text = (Path(__file__).parents[2] / "validation/kits/README.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ")][1:]
+    assert len(rows) == len(KITS) + 1
+    for kit, row in zip(KITS.values(), rows[1:], strict=True):
+        assert row.startswith(f"| {kit.language}")
+        assert f"`{kit.speaks}` | `{kit.extracts}`" in row
+    assert "no kit for Julia" in text
+
+
 def test_a_wheel_has_the_kits() -> None:
     """Each folder is package data: an installed copy finds its kits inside the package."""
     import tomllib
