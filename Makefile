@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults mutation proof papers benchmarks reports league catalogue packages site linkcheck slides clean
+.PHONY: explorer help grade test quick lint correct faults fuzz mutation proof papers benchmarks reports league catalogue packages site linkcheck slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -18,6 +18,7 @@ help:
 	@echo "make coverage    count what the default plan covers: reports/coverage.md"
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make faults      judge every fault of the tests on the whole plan; goes on where it stopped"
+	@echo "make fuzz        inputs that nobody would write: READER=protocol COUNT=1000; goes on where it stopped"
 	@echo "make mutation    mutants of oracles and claims; goes on where it stopped"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
@@ -62,6 +63,9 @@ coverage: $(STAMP)
 
 faults: $(STAMP)
 	$(BIN)/python -m tests.isograde.faults.matrix
+
+fuzz: $(STAMP)
+	$(BIN)/python -m tests.fuzz.run $(if $(COUNT),--count $(COUNT)) $(READER)
 
 mutation: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[mutation]"

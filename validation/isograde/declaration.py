@@ -358,7 +358,7 @@ def _split(rows: object) -> Split:
     try:
         corners = np.asarray(rows, np.int64)
         whole = bool((corners == np.asarray(rows)).all())
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise DeclarationError("interpolant: tetrahedra are lists of corners, all alike") from None
     shaped = corners.ndim == 3 and corners.shape[1] == corners.shape[2] + 1
     _check(shaped and whole, "interpolant: each simplex has n + 1 corners of n whole numbers")
@@ -430,10 +430,7 @@ def _scope(value: object) -> Scope:
     _known(value, tuple(asdict(Scope())), "limits")
     fields: dict[str, Any] = {}
     if "kinds" in value:
-        rows = np.asarray(value["kinds"])
-        right = rows.ndim == 2 and rows.shape[1] == 2 and rows.dtype.kind in "iu"
-        _check(right, "limits: kinds are pairs [n, m]")
-        fields["kinds"] = tuple((int(n), int(m)) for n, m in rows)
+        fields["kinds"] = _pairs(value["kinds"])
         _check(all(n >= m >= 1 for n, m in fields["kinds"]), "limits: kinds have n >= m >= 1")
     if "types" in value:
         fields["types"] = tuple(sorted({_type_name(one) for one in value["types"]}))
@@ -447,6 +444,17 @@ def _scope(value: object) -> Scope:
         )
         fields["cubes"] = value["cubes"]
     return Scope(**fields)
+
+
+def _pairs(value: Any) -> tuple[tuple[int, int], ...]:
+    """Pairs [n, m]."""
+    try:
+        rows = np.asarray(value)
+    except ValueError:  # Of different lengths.
+        rows = np.empty(0)
+    right = rows.ndim == 2 and rows.shape[1] == 2 and rows.dtype.kind in "iu"
+    _check(right, "limits: kinds are pairs [n, m]")
+    return tuple((int(n), int(m)) for n, m in rows)
 
 
 def _type_name(value: object) -> str:

@@ -24,6 +24,8 @@ MESH_FILES = (".ply", ".obj", ".off", ".stl")
 # The first words of lines in an .obj file that has no faces, and how much of it is looked at.
 OBJ_WORDS = {b"v", b"vn", b"vt", b"o", b"g", b"s", b"mtllib", b"usemtl"}
 CHECKED_BYTES = 1 << 16
+# Of a name that is no file's, so much is quoted.
+LONGEST_NAME = 120
 
 
 def arrays_said(said: Mapping[str, Any], folder: Path, limit: int, kind: Kind) -> Arrays:
@@ -110,8 +112,12 @@ def _says_empty(path: Path) -> bool:
 
 def check_file(path: Path, limit: int) -> None:
     """Raise `AnswerError` unless `path` is a regular file within the limit."""
-    if not path.is_file():
-        raise AnswerError(f"no such file: {path.name}")
+    try:
+        there = path.is_file()
+    except (OSError, ValueError):  # No file can have such a name.
+        there = False
+    if not there:
+        raise AnswerError(f"no such file: {path.name[:LONGEST_NAME]}")
     size = path.stat().st_size
     if size == 0:
         raise AnswerError(f"{path.name} has no bytes; an empty mesh has a header at least")

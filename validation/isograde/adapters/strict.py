@@ -12,6 +12,8 @@ import math
 import re
 from typing import Any
 
+from isograde.adapters.texts import clean
+
 # A text, or a word outside any text that is no JSON.
 TEXT_OR_WORD = re.compile(r'"(?:\\.|[^"\\])*"|-?(?:NaN|Infinity)')
 WORD = re.compile(r"[^\s,:\[\]{}]{1,24}|.", re.DOTALL)
@@ -69,7 +71,7 @@ def _told(text: str, at: int, why: str = "") -> str:
     found = WORD.match(text, at)
     if found is None:
         return f"not JSON at {place}: it ends there; {why[:1].lower()}{why[1:]}"
-    word = found[0]
+    word = clean(found[0])
     hint = why[:1].lower() + why[1:]
     if NOT_FINITE.fullmatch(word):
         hint = "write null"

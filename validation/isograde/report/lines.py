@@ -8,6 +8,7 @@ from __future__ import annotations
 import gzip
 import io
 import json
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache
@@ -19,8 +20,11 @@ import jsonschema
 import numpy as np
 
 from isograde.adapters.strict import NotJSON, parse
+from isograde.adapters.texts import clean
 
 FORMAT = 2
+# What is quoted of a fault in a line.
+LONGEST_FAULT = 400
 RECORDS = ("header", "claim", "case", "result", "evidence", "footer")
 JSON = dict[str, Any]
 
@@ -94,7 +98,7 @@ def lines(path: Path) -> Iterator[JSON]:
         with open_text(path, "r") as file:
             for number, line in enumerate(file, 1):
                 yield checked(line, f"{path}:{number}")
-    except (OSError, UnicodeDecodeError, EOFError) as error:
+    except (OSError, UnicodeDecodeError, EOFError, zlib.error) as error:
         raise ReportError(f"{path} cannot be read: {error}") from error
 
 
@@ -106,10 +110,11 @@ def checked(line: str, place: str) -> JSON:
         raise ReportError(f"{place} is {error}") from error
     name = record.get("record") if isinstance(record, dict) else None
     if name not in RECORDS:
-        raise ReportError(f"{place} is no record of a report: record {name!r}")
+        raise ReportError(f"{place} is no record of a report: record {name!r:.80}")
     fault = jsonschema.exceptions.best_match(_validator(name).iter_errors(record))
     if fault is not None:
-        raise ReportError(f"{place} is no {name} record: {fault.json_path} {fault.message}")
+        told = clean(f"{fault.json_path} {fault.message}", LONGEST_FAULT)
+        raise ReportError(f"{place} is no {name} record: {told}")
     return record
 
 

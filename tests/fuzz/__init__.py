@@ -1,0 +1,1 @@
+"""Whatever reads from outside, given inputs that nobody would write (`tests.fuzz.run`)."""
