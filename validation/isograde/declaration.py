@@ -360,7 +360,7 @@ def _split(rows: object) -> Split:
         whole = bool((corners == np.asarray(rows)).all())
     except (TypeError, ValueError, OverflowError):
         raise DeclarationError("interpolant: tetrahedra are lists of corners, all alike") from None
-    shaped = corners.ndim == 3 and corners.shape[1] == corners.shape[2] + 1
+    shaped = corners.ndim == 3 and corners.size > 0 and corners.shape[1] == corners.shape[2] + 1
     _check(shaped and whole, "interpolant: each simplex has n + 1 corners of n whole numbers")
     _check(
         0 <= corners.min() and corners.max() <= 2, "interpolant: a block has 1 or 2 cells an axis"
@@ -433,6 +433,8 @@ def _scope(value: object) -> Scope:
         fields["kinds"] = _pairs(value["kinds"])
         _check(all(n >= m >= 1 for n, m in fields["kinds"]), "limits: kinds have n >= m >= 1")
     if "types" in value:
+        listed = isinstance(value["types"], Sequence) and not isinstance(value["types"], str)
+        _check(listed, f"limits: types: {value['types']!r} is no list of types")
         fields["types"] = tuple(sorted({_type_name(one) for one in value["types"]}))
     for key in ("least", "greatest", "samples"):
         if key in value:
@@ -461,7 +463,7 @@ def _type_name(value: object) -> str:
     """NumPy's name of a type of real numbers."""
     try:
         dtype = np.dtype(str(value))
-    except TypeError:
+    except (TypeError, ValueError, SyntaxError):  # NumPy reads a text as an expression of types.
         raise DeclarationError(f"limits: types: {value!r} is no type of NumPy's") from None
     _check(dtype.kind in "biuf", f"limits: types: {value!r} is no type of real numbers")
     return dtype.name

@@ -79,7 +79,9 @@ def unpack(
         if total > limit:
             raise MemoryError(f"{total:,} bytes of arrays")
         return header, [_array(entry, read, mmap_mode) for entry in header["arrays"]]
-    except (ValueError, TypeError, KeyError, OSError, AttributeError, RecursionError) as error:
+    except (
+        ValueError, TypeError, KeyError, OSError, AttributeError, RecursionError, SyntaxError,
+    ) as error:  # fmt: skip
         raise FrameError(f"a header that cannot be read: {error}") from error
 
 
