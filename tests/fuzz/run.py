@@ -186,6 +186,8 @@ def count(names: Sequence[str], wanted: int, minutes: float) -> None:
     """Each reader is given inputs until there were so many in all, or the time is over."""
     end = time.monotonic() + 60 * minutes
     for name in names:
+        READERS[name].seeds()
+    for name in names:
         while time.monotonic() < end:
             every = counts()
             row = every.setdefault(name, {"inputs": 0, "seconds": 0.0, "said": {}})
