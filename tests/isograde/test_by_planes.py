@@ -70,7 +70,7 @@ def test_what_is_written_is_the_mesh_of_the_whole(kind: str, method: str, tmp_pa
         (["-o", "mesh.obj"], "writes PLY"),
         (["--cap"], "no --label, --cap"),
         (["--label", "3"], "no --label, --cap"),
-        (["--method", "surface-nets"], "surface-nets does not go by planes; asymptotic-decider"),
+        (["--method", "surface-nets"], "surface-nets does not go part by part; asymptotic-decider"),
         (["--isovalue", "nan"], "isovalue nan is not finite"),
     ],
 )

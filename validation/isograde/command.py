@@ -507,6 +507,10 @@ def extract(
             help="Volumes and meshes larger than memory: npy raw h5 zarr to ply, cube rules.",
         ),
     ] = False,
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="By the workers of this scheduler, tcp://host:8786."),
+    ] = None,
 ) -> None:
     """Extract an isosurface with the reference, where the volume stands, as a mesh file."""
     from isograde.commands import volumes
@@ -520,8 +524,13 @@ def extract(
         clean,
         space.value if space else None,
     )
-    how = volumes.extract_by_planes if by_planes else volumes.extract
-    how(volume, wanted, out, volumes.asked(dataset, shape, dtype, spacing))
+    asked = volumes.asked(dataset, shape, dtype, spacing)
+    if dask is not None:
+        volumes.extract_by_dask(volume, wanted, out, asked, dask)
+    elif by_planes:
+        volumes.extract_by_planes(volume, wanted, out, asked)
+    else:
+        volumes.extract(volume, wanted, out, asked)
 
 
 @app.command(name="prove")

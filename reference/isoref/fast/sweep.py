@@ -79,6 +79,23 @@ def sweep(
     return _Sweep(rule, field, isovalue, precision, provenance).mesh()
 
 
+def block(
+    rule: Rule,
+    field: Field,
+    isovalue: float,
+    start: tuple[int, int, int],
+    precision: Precision = "double",
+) -> Mesh:
+    """The surface in a block of a larger volume, with the positions it has in the whole.
+
+    field : the samples of the block, straight, with spacing and origin of the whole
+    start : the block's first sample in the whole
+
+    The mesh has its provenance, which counts samples and cells of the block.
+    """
+    return _Sweep(rule, field, isovalue, precision, True, start).mesh()
+
+
 def pieces(
     rule: Rule, field: Field, isovalue: float, precision: Precision = "double"
 ) -> Iterator[tuple[Array, Array]]:
@@ -475,9 +492,16 @@ class _Sweep:
     """One passage through a volume: what a slab needs to know of the one before, and the mesh."""
 
     def __init__(
-        self, rule: Rule, field: Field, isovalue: float, precision: Precision, traced: bool
+        self,
+        rule: Rule,
+        field: Field,
+        isovalue: float,
+        precision: Precision,
+        traced: bool,
+        start: tuple[int, int, int] = (0, 0, 0),
     ) -> None:
         check_volume(field)
+        self.start = start
         self.isovalue = check_isovalue(isovalue)
         self.precision = precision
         real, whole = number_types(precision)
@@ -689,8 +713,8 @@ class _Sweep:
         out = self.vertices.more(len(t))
         for axis in range(3):
             index = edges.lattice_index(axis).astype(np.float64)
-            if axis == 0:
-                index += part.first
+            if before := self.start[axis] + (part.first if axis == 0 else 0):
+                index += before
             along = slice(ends[axis], ends[axis + 1])
             index[along] += t[along]
             out[:, axis] = self._position(index, axis)
@@ -868,7 +892,7 @@ class _Sweep:
         np.copyto(found, inside, where=node >= 12, casting="same_kind")
 
         # Place averages here and now, all others at the end.
-        index = [cells.lattice_index(axis, rows) for axis in range(3)]
+        index = [cells.lattice_index(axis, rows) + self.start[axis] for axis in range(3)]
         index[0] += part.first
         if self.tables.groups[number].inside == _Inside.AVERAGES:
             self._average(key, own, base, index, out)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from isoref import distributed
 from isoref.attributes import filled
 from isoref.degenerate import without_degenerate
 from isoref.fast.slabs import slabs
@@ -19,7 +20,7 @@ from rich.markup import escape
 
 from isograde.cases import volumes
 from isograde.commands.console import Exit, close_to, console, say, stop
-from isograde.formats.reading import Asked, Stored, VolumeError
+from isograde.formats.reading import Asked, Stored, VolumeError, library
 from isograde.formats.writing import MESH_FILES, write, write_pieces
 from isograde.frequencies import frequencies as count
 
@@ -63,9 +64,8 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
         for note in stored.notes:
             say(f"[dim]{escape(note)}[/]")
         field, gone = _present(stored) if wanted.absent else (stored.field, None)
-        several = len(wanted.isovalues) + len(wanted.labels) > 1
         for number, posed, level in _posed(field, wanted):
-            name = out.with_stem(f"{out.stem}-{number:g}") if several else out
+            name = _named(out, number, wanted)
             mesh = surface(posed, level, wanted.drawn_by, cap=wanted.cap, absent=gone)
             if wanted.clean:
                 mesh = _cleaned(mesh)
@@ -79,16 +79,7 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
 
 def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
     """The same of a volume and a mesh that may be larger than the memory, as a PLY file."""
-    _check(wanted, out)
-    if wanted.labels or wanted.cap or wanted.absent or wanted.clean:
-        stop(
-            Exit.WRONG_USE, "--by-planes takes isovalues, and no --label, --cap, --absent, --clean"
-        )
-    if wanted.drawn_by not in RULES:
-        stop(
-            Exit.WRONG_USE,
-            f"{wanted.drawn_by} does not go by planes; {', '.join(sorted(RULES))} do",
-        )
+    _check_rule(wanted, out, "--by-planes")
     if out.suffix.lower() != ".ply":
         stop(Exit.WRONG_USE, f"--by-planes writes PLY, and {out} ends otherwise")
     try:
@@ -97,7 +88,7 @@ def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> N
             stored = stored.in_space(wanted.space)
         place = Field.of_affine(np.zeros((1, 1, 1)), stored.affine)
         for number in wanted.isovalues:
-            name = out.with_stem(f"{out.stem}-{number:g}") if len(wanted.isovalues) > 1 else out
+            name = _named(out, number, wanted)
             found = slabs(
                 stored.values,
                 number,
@@ -112,6 +103,56 @@ def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> N
             _tell(vertices, triangles, stored, name)
     except (VolumeError, FieldError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
+
+
+def extract_by_dask(volume: str, wanted: Wanted, out: Path, asked: Asked, address: str) -> None:
+    """The same by the workers of a dask cluster, block by block; only the mesh has to fit here."""
+    _check_rule(wanted, out, "--dask")
+    try:
+        arrays: Any = library("dask.array", "distributed")
+        cluster: Any = library("distributed", "distributed")
+        stored = stored_named(volume, replace(asked, stays=True))
+        if wanted.space:
+            stored = stored.in_space(wanted.space)
+        place = Field.of_affine(np.zeros((1, 1, 1)), stored.affine)
+        array = arrays.from_array(stored.values, chunks="auto")
+        try:
+            client = cluster.Client(address, timeout=10)
+        except (OSError, ValueError, TimeoutError) as error:
+            stop(Exit.WRONG_USE, f"no dask scheduler answers at {address}: {error}")
+        with client:
+            for number in wanted.isovalues:
+                name = _named(out, number, wanted)
+                mesh = distributed.extract(
+                    array,
+                    number,
+                    place.spacing,
+                    place.origin,
+                    directions=place.directions,
+                    method=wanted.drawn_by,
+                )
+                write(mesh, name, stored.space)
+                _tell(len(mesh.vertices), len(mesh.simplices), stored, name)
+    except (VolumeError, FieldError, OSError) as error:
+        stop(Exit.WRONG_USE, str(error))
+
+
+def _check_rule(wanted: Wanted, out: Path, option: str) -> None:
+    """A surface in parts can be made of what is asked for, or the command stops."""
+    _check(wanted, out)
+    if wanted.labels or wanted.cap or wanted.absent or wanted.clean:
+        stop(Exit.WRONG_USE, f"{option} takes isovalues, and no --label, --cap, --absent, --clean")
+    if wanted.drawn_by not in RULES:
+        stop(
+            Exit.WRONG_USE,
+            f"{wanted.drawn_by} does not go part by part; {', '.join(sorted(RULES))} do",
+        )
+
+
+def _named(out: Path, number: float, wanted: Wanted) -> Path:
+    """The file of one surface: of several each has its number in its name."""
+    several = len(wanted.isovalues) + len(wanted.labels) > 1
+    return out.with_stem(f"{out.stem}-{number:g}") if several else out
 
 
 def _check(wanted: Wanted, out: Path) -> None:

@@ -25,6 +25,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -182,7 +183,7 @@ def ending_of(path: Path) -> str:
 def library(name: str, extra: str = "volumes") -> Any:
     """The module of this name, or an error that names the extra to install."""
     try:
-        return __import__(name)
+        return import_module(name)
     except ImportError as error:
         advice = f'pip install "isograde[{extra}]"'
         raise VolumeError(f"{name} is needed and does not load ({error}); {advice}") from error
