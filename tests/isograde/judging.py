@@ -21,10 +21,14 @@ from isograde.model import (
     Verdict,
 )
 from isograde.runner import Task, Worker, claims_for
+from numpy.typing import NDArray
 
 
 class Here:
-    """An adapter to a function of samples, isovalue (or isovalues) and spacing, in this process."""
+    """An adapter to a function of samples, isovalue (or isovalues) and spacing, in this process.
+
+    The function is given each array as it lies in memory.
+    """
 
     def __init__(self, function: Callable[..., Any], declaration: Declaration):
         self.function = function
@@ -38,10 +42,12 @@ class Here:
         """The outcome of one call; in other ways than once it is not asked here."""
         if request.calls != "once":
             return Outcome(Status.DECLINED, detail="asked in the worker only")
-        samples = np.array(request.field.values, order="K", copy=True)
-        level = request.isovalues[0] if len(request.isovalues) == 1 else request.isovalues
+        samples = as_it_lies(request.field.values)
+        levels = request.isovalues
         try:
-            answer = self.function(samples, level, request.field.spacing)
+            with np.errstate(all="ignore"):
+                level = levels[0] if len(levels) == 1 else levels
+                answer = self.function(samples, level, request.field.spacing)
             vertices, simplices = arrays_from(answer, request.kind)
         except NotImplementedError as error:
             return Outcome(Status.DECLINED, detail=str(error))
@@ -50,12 +56,33 @@ class Here:
         except Exception as error:  # noqa: BLE001 - as an adapter would
             raised = Outcome(Status.RAISED, detail=str(error))
             return to_house(raised, request, self.declaration.conventions)
-        same = np.array_equal(samples, request.field.values, equal_nan=samples.dtype.kind == "f")
-        outcome = Outcome(Status.OK, vertices, simplices, input_changed=not same)
+        real = samples.dtype.kind == "f"
+        changed = not np.array_equal(samples, request.field.values, equal_nan=real)
+        # The fault may keep its arrays and write to them again: judge what they were.
+        outcome = Outcome(Status.OK, vertices.copy(), simplices.copy(), input_changed=changed)
         return to_house(outcome, request, self.declaration.conventions)
 
     def close(self) -> None:
         """Nothing to stop."""
+
+
+def as_it_lies(values: NDArray[Any]) -> NDArray[Any]:
+    """A copy with the strides of the original, gaps and directions included.
+
+    >>> as_it_lies(np.arange(12).reshape(3, 4)[::-1, ::2]).strides
+    (-32, 16)
+    """
+    if not values.size:
+        return values.copy()
+    reach = [(n - 1) * s for n, s in zip(values.shape, values.strides, strict=True)]
+    first = -sum(r for r in reach if r < 0)
+    size = first + sum(r for r in reach if r > 0) + values.itemsize
+    memory = np.zeros(size, np.uint8)
+    copy: NDArray[Any] = np.ndarray(
+        values.shape, values.dtype, memory, offset=first, strides=values.strides
+    )
+    copy[...] = values
+    return copy
 
 
 def grade(

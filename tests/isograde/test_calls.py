@@ -13,9 +13,12 @@ import pytest
 from isograde.adapters.functions import named
 from isograde.model import AdapterError, UnknownName
 from isograde.report import reading
+from isograde.results import Grade
 from isograde.runner import NothingToRun
 from isoref.methods import METHODS
 from isoref.methods import extract as reference
+
+from tests.isograde.reporting import made, row
 
 FEW = ["pairs/0217", "structure.*", "topology.*"]
 
@@ -102,6 +105,15 @@ def test_what_names_nothing_or_does_not_start_is_raised() -> None:
         isograde.grade(3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="needs an implementation"):
         isograde.compare()
+
+
+def test_reports_of_unlike_plans_are_not_compared() -> None:
+    """As the command refuses them: what differs might be the grader."""
+    one, other = (Grade(made([row("noise/a")])) for _ in range(2))
+    assert len(isograde.compare(one, other).grades) == 2
+    other.report.header["seed"] = 1
+    with pytest.raises(ValueError, match="unlike plans: the seed is 0 for mine, 1 for mine"):
+        isograde.compare(one, other)
 
 
 def test_a_function_that_cannot_be_sent_says_what_to_do() -> None:

@@ -63,7 +63,18 @@ def test_a_mistake_is_named_with_what_to_do(name: str, words: str) -> None:
     assert any(words in sentence for sentence in bad), bad
 
 
-@pytest.mark.parametrize("spec", ["correct", "declared", "printing"])
+def test_vertices_that_are_shared_within_cells_alone_are_a_soup() -> None:
+    """The npm package isosurface: it was told "open inside", though every claim holds."""
+    told = " ".join(said for _, said in check(f"python:{MISTAKEN}:soup_of_cells").advice)
+    assert "open inside" not in told
+    checked = check(f"python:{MISTAKEN}:shared_in_cells")
+    assert json.loads(checked.paste)["mesh"] == {"soup": 1e-6}
+    told = " ".join(said for _, said in checked.advice)
+    assert 'how triangles share vertices looks like {"soup": 1e-06}' in told
+    assert "open inside" not in told
+
+
+@pytest.mark.parametrize("spec", ["correct", "declared", "printing", "soup_of_cells"])
 def test_nothing_is_held_against_one_that_is_right(spec: str) -> None:
     """A declared convention is no mistake, and printing to a guarded stream is none."""
     checked = check(f"python:{MISTAKEN}:{spec}")

@@ -152,7 +152,9 @@ def test_another_run_is_not_gone_on_with(broken: str, tmp_path: Path) -> None:
     text = script.read_text(encoding="utf-8")
     script.write_text(f"{text}# changed\n", encoding="utf-8")
     try:
-        with pytest.raises(NotResumed, match="the implementation's files changed"):
+        with pytest.raises(
+            NotResumed, match="the implementation's files, or those of the cases, changed"
+        ):
             grade(broken, ONLY, path, resume=True)
     finally:
         script.write_text(text, encoding="utf-8")
@@ -162,6 +164,16 @@ def test_another_run_is_not_gone_on_with(broken: str, tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         grade(broken, ONLY, path, resume=False, watch=stop_after(2))
     assert sum(one["record"] == "result" for one in lines(unfinished(path))) == 2
+
+
+def test_cases_of_the_users_own_are_part_of_what_is_gone_on_with(tmp_path: Path) -> None:
+    """What was judged on other samples under the same ids is not taken over."""
+    mine = tmp_path / "mine.json"
+    mine.write_text("[1]", encoding="utf-8")
+    before = fingerprint("skimage:lewiner", [mine])
+    assert before != fingerprint("skimage:lewiner")
+    mine.write_text("[2]", encoding="utf-8")
+    assert fingerprint("skimage:lewiner", [mine]) != before
 
 
 def test_there_is_nothing_to_insist_on(broken: str, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from isoref import dual_marching_cubes
 from isoref.dual import is_turned
 from typer.testing import CliRunner
 
-from tests.isograde.faults.catching import InProcess
+from tests.isograde.judging import Here
 
 COURSE = Path(__file__).parents[2] / "docs" / "course"
 # The claim that each exercise is about; all that fails is among the hints.
@@ -51,7 +51,7 @@ def here(number: int, path: Path) -> list[Told]:
     def function(values: Any, level: Any, spacing: tuple[float, ...]) -> Any:
         return call(values, level if isinstance(level, tuple) else (level,), spacing)
 
-    return told_through(EXERCISES[number], InProcess(function, declared), declared)
+    return told_through(EXERCISES[number], Here(function, declared), declared)
 
 
 @pytest.mark.parametrize("number", EXERCISES)

@@ -27,7 +27,7 @@ from isograde.commands.volumes import stored_named
 from isograde.expectations import Given, expectations
 from isograde.formats.reading import Asked
 from isograde.model import Limits
-from isograde.report import reading
+from isograde.report import comparison, reading
 from isograde.results import Comparison, Grade
 from isograde.runner import Options, processors
 
@@ -105,15 +105,19 @@ def compare(*implementations: Implementation | PathLike[str] | Grade, **options:
     """Implementations side by side, the best first.
 
     Each is a result of `grade`, the path of a report (a file, or the folder of one), or what
-    `grade` takes; it is then graded with these `options`. Raises what `grade` raises, and
-    `ReportError` for a file that is no report.
+    `grade` takes; it is then graded with these `options`. Raises what `grade` raises, `ReportError`
+    for a file that is no report, and `ValueError` for reports of unlike plans, whose differences
+    might be the grader's.
 
     >>> compare("isoref:lorensen-cline", "isoref:asymptotic-decider", only=["pairs/0217"]).ranking
     ['isoref:asymptotic-decider', 'isoref:lorensen-cline']
     """
     if not implementations:
         raise TypeError("compare needs an implementation, a report, or several")
-    return Comparison(tuple(_graded(one, options) for one in implementations))
+    grades = tuple(_graded(one, options) for one in implementations)
+    if told := comparison.unlike([one.report for one in grades]):
+        raise ValueError(told)
+    return Comparison(grades)
 
 
 def _graded(one: Implementation | PathLike[str] | Grade, options: dict[str, Any]) -> Grade:

@@ -144,23 +144,33 @@ def _earlier(path: Path, header: JSON) -> tuple[dict[str, tuple[JSON, JSON]], in
     return done, length if done else 0, "" if done else "nothing was judged yet"
 
 
+# What the fingerprint is of.
+FILES = "the implementation's files, or those of the cases,"
+
+
 def _difference(old: JSON, new: JSON) -> str:
     """What differs between two headers, or nothing."""
     for name in dict.fromkeys([*old, *new]):
         if name not in FREE and old.get(name) != new.get(name):
-            words = {"fingerprint": "the implementation's files", "tasks": "the plan"}
+            words = {
+                "fingerprint": FILES,
+                "tasks": "the plan",
+            }
             return f"{words.get(name, name)} changed"
     return ""
 
 
-def fingerprint(spec: str) -> str:
+def fingerprint(spec: str, own: Sequence[Path] = ()) -> str:
     """A number for the files that an implementation's name leads to; it changes when they do.
+
+    So it does with files of cases of the user's `own`: what was judged on other samples is not
+    taken over.
 
     >>> fingerprint("skimage:lewiner")
     ''
     """
     digest = hashlib.sha256()
-    found = [path for path in _files(spec) if path.is_file()]
+    found = [path for path in (*_files(spec), *own) if path.is_file()]
     for path in found:
         stat = path.stat()
         if stat.st_size <= LARGEST_READ:

@@ -191,7 +191,7 @@ def _beginning(
     """
     judged = {name for task in tasks for name in task.claims}
     header = record.header(called(spec), worker.declaration, options, list(arguments), expected)
-    header |= {"tasks": checksum(tasks), "fingerprint": fingerprint(spec)}
+    header |= {"tasks": checksum(tasks), "fingerprint": fingerprint(spec, options.own)}
     claims = [
         record.claim_record(claim, worker.declaration)
         for name, claim in worker.claims.items()

@@ -135,8 +135,13 @@ class NothingToRun(LookupError):  # noqa: N818 - a state of the plan, not an err
     """No case and claim match what was asked for."""
 
 
+class NotKnown(NothingToRun):
+    """What was asked for is no claim and no case: a name that was misspelt."""
+
+
 def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim]) -> list[Task]:
-    """The tasks in the order of the cases. Raises `NothingToRun`."""
+    """The tasks in the order of the cases. Raises `NothingToRun`, or `NotKnown`, which is one."""
+    _known(options, cases, claims)
     chosen_claims, chosen_cases = _select(options, cases, claims)
     tasks = []
     for case in chosen_cases.values():
@@ -150,16 +155,29 @@ def plan(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim
             tasks.append(Task(case.id, wanted))
     if not tasks:
         asked = " ".join(options.only) or "the plan"
-        known = [*claims, *cases]
-        close = [near for one in options.only for near in get_close_matches(one, known, n=1)]
-        hint = f"did you mean {' '.join(close)}? " if close else ""
-        if wrong := [one for one in options.only if one.startswith("given/")]:
-            hint = f"{given.fault(wrong[0])}; "
         raise NothingToRun(
-            f"nothing matches {asked}; {hint}`isograde list claims` and `isograde list cases` "
-            "show ids"
+            f"nothing matches {asked}: of what it declares, no such claim is judged on such a case"
         )
     return tasks
+
+
+def _known(options: Options, cases: Mapping[str, Case], claims: Mapping[str, Claim]) -> None:
+    """Nothing, where each name of `only` is of a claim or a case; else raises `NotKnown`."""
+    for one in options.only:
+        if any(fnmatchcase(name, one) for name in (*claims, *cases)) or _is_block(one, cases):
+            continue
+        # It may be known, and not be for what the implementation declares.
+        known = [*CLAIMS, *all_cases(options.seed)]
+        if any(fnmatchcase(name, one) for name in known) or _is_block(one, all_cases(options.seed)):
+            continue
+        close = get_close_matches(one, known, n=1)
+        hint = f"did you mean {close[0]}? " if close else ""
+        if one.startswith("given/"):
+            hint = f"{given.fault(one)}; "
+        raise NotKnown(
+            f"nothing matches {one}; {hint}`isograde list claims` and `isograde list cases` "
+            "show ids"
+        )
 
 
 def part(tasks: Sequence[Task], options: Options) -> Sequence[Task]:

@@ -4,77 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from isograde.adapters.conventions import to_house
-from isograde.adapters.forms import AnswerError, arrays_from
 from isograde.claims import CLAIMS
-from isograde.declaration import Declaration, declaration_from
-from isograde.model import BAD, Limits, Outcome, Request, Status
+from isograde.declaration import declaration_from
+from isograde.model import BAD
 from isograde.runner import Judged, Options, Task, Worker, cases_for, claims_for, plan
-from numpy.typing import NDArray
 
-from tests.isograde.faults.registry import Extract, Fault
-
-
-class InProcess:
-    """An adapter to a function in this process, which is given each array as it lies in memory."""
-
-    def __init__(self, function: Extract, declaration: Declaration) -> None:
-        self.function = function
-        self.declaration = declaration
-
-    def open(self, limits: Limits) -> Declaration:
-        """Nothing to start."""
-        return self.declaration
-
-    def run(self, request: Request) -> Outcome:
-        """The outcome of one call; in other ways than once it is not asked here."""
-        if request.calls != "once":
-            return Outcome(Status.DECLINED, detail="asked in the worker only")
-        samples = as_it_lies(request.field.values)
-        levels = request.isovalues
-        try:
-            with np.errstate(all="ignore"):
-                level = levels[0] if len(levels) == 1 else levels
-                answer = self.function(samples, level, request.field.spacing)
-            vertices, simplices = arrays_from(answer, request.kind)
-        except NotImplementedError as error:
-            return Outcome(Status.DECLINED, detail=str(error))
-        except AnswerError as error:
-            return Outcome(error.status, detail=str(error))
-        except Exception as error:  # noqa: BLE001 - as an adapter would
-            raised = Outcome(Status.RAISED, detail=str(error))
-            return to_house(raised, request, self.declaration.conventions)
-        real = samples.dtype.kind == "f"
-        changed = not np.array_equal(samples, request.field.values, equal_nan=real)
-        # The fault may keep its arrays and write to them again: judge what they were.
-        outcome = Outcome(Status.OK, vertices.copy(), simplices.copy(), input_changed=changed)
-        return to_house(outcome, request, self.declaration.conventions)
-
-    def close(self) -> None:
-        """Nothing to stop."""
-
-
-def as_it_lies(values: NDArray[Any]) -> NDArray[Any]:
-    """A copy with the strides of the original, gaps and directions included.
-
-    >>> as_it_lies(np.arange(12).reshape(3, 4)[::-1, ::2]).strides
-    (-32, 16)
-    """
-    if not values.size:
-        return values.copy()
-    reach = [(n - 1) * s for n, s in zip(values.shape, values.strides, strict=True)]
-    first = -sum(r for r in reach if r < 0)
-    size = first + sum(r for r in reach if r > 0) + values.itemsize
-    memory = np.zeros(size, np.uint8)
-    copy: NDArray[Any] = np.ndarray(
-        values.shape, values.dtype, memory, offset=first, strides=values.strides
-    )
-    copy[...] = values
-    return copy
-
+from tests.isograde.faults.registry import Fault
+from tests.isograde.judging import Here
 
 #: A case of at most so many samples is small.
 SMALL = 5_000
@@ -85,7 +22,7 @@ LONG = ("cells", "pairs", "trilinear")
 def worker_of(fault: Fault, seed: int = 0) -> Worker:
     """A worker that judges the fault, made anew."""
     declared = declaration_from({**fault.declares}, fault.name)
-    adapter = InProcess(fault.make(), declared)
+    adapter = Here(fault.make(), declared)
     return Worker(adapter, declared, cases_for(declared, seed), claims_for(declared))
 
 

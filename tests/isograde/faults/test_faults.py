@@ -12,11 +12,12 @@ from isograde.runner import Task, Worker, claims_for
 from isoref import Mesh, extract
 
 from tests.isograde import test_claims_calls
-from tests.isograde.faults.catching import InProcess, broken, rank, tasks_of, worker_of
+from tests.isograde.faults.catching import broken, rank, tasks_of, worker_of
 from tests.isograde.faults.engine import Engine
 from tests.isograde.faults.histories import Trilinear
 from tests.isograde.faults.matrix import caught
 from tests.isograde.faults.registry import FAULTS, SURVIVORS
+from tests.isograde.judging import Here
 
 CAUGHT = caught()
 #: Claims on calls need a process of their own: their faults stand with their tests.
@@ -89,7 +90,7 @@ def test_the_sound_engine_passes_where_faults_are_caught(case: str) -> None:
     """Every claim that is held against it, posed in every way."""
     declared = declaration_from({"level": 3}, "engine")
     claims = claims_for(declared)
-    worker = Worker(InProcess(Engine(), declared), declared, all_cases(), claims)
+    worker = Worker(Here(Engine(), declared), declared, all_cases(), claims)
     asked = tuple(
         name
         for name, claim in claims.items()

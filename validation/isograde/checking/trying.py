@@ -233,7 +233,9 @@ class Try:
         if self.kind != SURFACES or self.measured is None or self.measured.units is None:
             return
         level = levels(self.kind)[0]
-        soup, on_edges = isinstance(self.words["mesh"], dict), self.words["vertices"] == "edges"
+        declared = self.declaration.soup is not None
+        soup = declared or isinstance(self.words["mesh"], dict)
+        on_edges = self.words["vertices"] == "edges"
         # A cube round a long sheet would be large.
         cubes = self.within.limits.get("cubes")
         found = [] if cubes else spans(self.house, soup=soup, border=0.0 if on_edges else 1.0)

@@ -17,6 +17,9 @@ from isograde.model import SURFACES, Outcome
 # A coordinate this near to a whole number, in cells, is one.
 WHOLE = 1e-4
 
+# With so many vertices for each place, they are not shared from cell to cell.
+SHARED = 1.5
+
 WORDS = {
     "interpolant": "what it draws inside a cell",
     "vertices": "where its vertices are",
@@ -111,7 +114,8 @@ def _domain(ask: Ask) -> str:
 
 
 def _mesh(plain: Outcome) -> Any:
-    """Soup, where each simplex has corners of its own."""
+    """Soup, where each simplex, or each cell, has corners of its own."""
     assert plain.vertices is not None
-    corners = rows_of(plain).size
-    return {"soup": 1e-6} if len(plain.vertices) >= corners else "indexed"
+    places = np.unique(plain.vertices.astype(float).round(5), axis=0)
+    shared = len(plain.vertices) < min(rows_of(plain).size, SHARED * len(places))
+    return "indexed" if shared else {"soup": 1e-6}

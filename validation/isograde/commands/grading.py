@@ -36,7 +36,7 @@ from isograde.report.findings import causes
 from isograde.report.headline import choices, headline, listed
 from isograde.report.joining import JoinError, join
 from isograde.report.lines import write_lines
-from isograde.runner import NothingToRun, Options
+from isograde.runner import NothingToRun, NotKnown, Options
 
 
 @dataclass(frozen=True)
@@ -169,6 +169,8 @@ def _faults_told(path: Path) -> Iterator[None]:
         stop(Exit.NOT_STARTED, str(error))
     except OwnCasesError as error:
         stop(Exit.WRONG_USE, str(error))
+    except NotKnown as error:
+        stop(Exit.WRONG_USE, str(error.args[0]))
     except NothingToRun as error:
         stop(Exit.NO_EVIDENCE, str(error.args[0]))
     except (Busy, NotResumed, TemporaryFull) as error:
@@ -212,6 +214,8 @@ def grade_all(
             absent[spec] = str(error)
             errors.print(f"[yellow]{escape(spec)}[/] is left out: {escape(str(error))}")
             continue
+        except NotKnown as error:
+            stop(Exit.WRONG_USE, str(error.args[0]))
         except NothingToRun:
             continue  # What was asked for is not of its kinds.
         reports.write(found_one, out, place_of(path, found_one).name.split(".")[0], kinds)
