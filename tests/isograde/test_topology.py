@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.claims import topology
-from isograde.declaration import Conventions, Declaration, End
+from isograde.declaration import Conventions, Declaration, End, declaration_from
 from isograde.model import Case, Finding, Kind, Outcome, Status, Trial, Verdict
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
@@ -247,3 +247,39 @@ def test_one_tied_sample_does_not_tell_its_side() -> None:
     values[1:3, 1:3, 1:3], values[4, 4, 4] = 0, 1
     both = judged("tie_side", trial(*cubes(values)))
     assert one.verdict is both.verdict is Verdict.SKIP
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_net_whose_quads_end_with_its_domain_is_oriented(seed: int) -> None:
+    """Thin volumes: of four quads round an edge the two that turn alike may be all that are there.
+
+    A naive net is right (its edges of four quads are what it does not promise), and one triangle
+    turned over among its inner ones is still found.
+    """
+    half = {"inset": 0.5, "end": "open"}
+    declared = declaration_from({"vertices": "cells", "domain": half}, "net")
+    shape = [(4, 2, 3), (5, 6, 7)][seed % 2]
+    field = Field.of(np.random.default_rng(seed).choice([-1.0, -0.7, 0.9, 1], shape))
+    mesh = METHODS["surface-nets"](field, 0.0)
+    one = trial(field, mesh.vertices, mesh.simplices, declared)
+    assert judged("oriented", one).verdict is not Verdict.FAIL
+    if min(shape) < 5:
+        return
+    turned = mesh.simplices.copy()
+    turned[len(turned) // 2] = turned[len(turned) // 2, ::-1]
+    found = judged("oriented", trial(field, mesh.vertices, turned, declared))
+    assert found.verdict is Verdict.FAIL
+
+
+def test_the_net_that_was_accused_of_its_end_is_right() -> None:
+    """Found by ``make correct``: 13 of 666 fields, this the smallest of them."""
+    values = np.full((4, 2, 3), -1.0)
+    values[0, 0, 2] = values[1, 0, 2] = 1
+    values[1, 0, 1], values[2, 1, 1] = 1, 0.9
+    mesh = METHODS["surface-nets"](Field.of(values), 0.0)
+    half = {"inset": 0.5, "end": "open"}
+    declared = declaration_from({"vertices": "cells", "domain": half}, "net")
+    one = trial(Field.of(values), mesh.vertices, mesh.simplices, declared)
+    assert judged("oriented", one).verdict is Verdict.PASS
+    on_edges = trial(Field.of(values), mesh.vertices, mesh.simplices, NOTHING)
+    assert judged("oriented", on_edges).verdict is Verdict.FAIL
