@@ -112,6 +112,58 @@ def test_each_fault_by_itself_is_seen(number: int, tmp_path: Path) -> None:
     assert count >= (FAULTS[number] if number > 1 else 1)
 
 
+# Other answers than the solution's, as a reader may find them: what is replaced, and by what.
+PRODUCTS = "np.where(a >= 0, a * c < b * d, b * d < a * c)"
+QUOTIENT = "(a * c - b * d) / (a + c - b - d) < 0"
+RIGHT = {
+    "2 by a quotient": ("a * c < b * d if a >= 0 else b * d < a * c", QUOTIENT),
+    "6 from the other end": ("in range(len(polygon))", "in reversed(range(len(polygon)))"),
+    "6 all joined": ("(i + 1) % 4\n            following", "(i - 1) % 4\n            following"),
+    "7 everybody asked": ("len(ambiguous_faces(signs)) > 0", "True"),
+    "10 another order": ("(high) if one]", "(high) if one][::-1]"),
+    "12 in another order": (
+        "cycles(signs, ALL_SEPARATED)\n\n",
+        "[sorted(p) for p in cycles(signs, ALL_SEPARATED)]\n\n",
+    ),
+    "13 a new array": ("values.astype(float) - isovalue", "values - isovalue"),
+}
+WRONG = {
+    "5 never separated": (PRODUCTS, "np.zeros(a.shape, bool)"),
+    "7 by the mean": (PRODUCTS, "(a + c) + (b + d) < 0"),
+    "8 no tunnels": ("there & (product < 0)", "there & False"),
+    "8 two axes": ("range(3)", "range(2)"),
+    "9 never connected": ("(v + q) + (w + p) >= 0", "False"),
+    "10 in the middle": ("point[a] + t * (point[b] - point[a])", "(point[a] + point[b]) / 2"),
+    "12 one piece alone": (
+        "cycles(signs, ALL_SEPARATED)\n\n",
+        "cycles(signs, ALL_SEPARATED)[:1]\n\n",
+    ),
+    "13 six decimals": ("name = ends", "name = tuple(np.round(place, 6))"),
+}
+
+
+def changed(name: str, replaced: tuple[str, str], folder: Path) -> tuple[int, Path]:
+    """The number of an exercise, and its solution with one thing replaced, in a file."""
+    number = int(name.split()[0])
+    text = (COURSE / "solutions" / EXERCISES[number].file).read_text()
+    assert text.count(replaced[0]) == 1
+    path = folder / f"{name.replace(' ', '_')}.py"
+    path.write_text(text.replace(*replaced))
+    return number, path
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_right_answer_need_not_be_the_solution(name: str, tmp_path: Path) -> None:
+    """Never punish a choice that the lesson did not rule out."""
+    assert here(*changed(name, RIGHT[name], tmp_path)) == []
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_an_answer_that_misses_the_point_is_told(name: str, tmp_path: Path) -> None:
+    """Short cuts that satisfy all but one of the claims."""
+    assert here(*changed(name, WRONG[name], tmp_path))
+
+
 def test_no_two_cells_of_exercise_12_pinch_one_face() -> None:
     """Lesson 12 promises it: a vertex for each polygon is then enough."""
     assert fields.UNPINCHED

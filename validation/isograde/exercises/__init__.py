@@ -104,6 +104,12 @@ ORIENTED = "topology.oriented"
 MANIFOLD = "topology.manifold"
 BILINEAR = "topology.bilinear"
 TRILINEAR = "topology.trilinear"
+CROSSING = "geometry.crossing"
+VERTICES = "geometry.vertices"
+MISPLACED = (
+    "A vertex on a lattice edge is not where the straight line between its two samples takes the "
+    "value (lesson 1)."
+)
 SAME_WAY = "Two triangles that share an edge run through it the same way"
 EXERCISES = {
     one.number: one
@@ -115,7 +121,7 @@ EXERCISES = {
                 SIDES: "Between an inside and an outside neighbour there is a point, and between "
                 "others there is none. That fails here. Which samples count as inside? Look at a "
                 "sample that equals the value.",
-                "geometry.crossing": "A point is not where the straight line between its two "
+                CROSSING: "A point is not where the straight line between its two "
                 "samples takes the value. How far along is it, when one sample is much nearer to "
                 "the value than the other?",
             },
@@ -130,6 +136,7 @@ EXERCISES = {
                 BILINEAR: "An ambiguous square is joined otherwise than the bilinear "
                 "interpolant's own contour joins it. Which value of the square tells whether its "
                 "hyperbola passes between one pair of corners or the other?",
+                CROSSING: MISPLACED,
             },
             fields.squares,
         ),
@@ -153,6 +160,7 @@ EXERCISES = {
                 "opposite inside corners. One cell cuts both off, and the other joins them. What "
                 "decided, in each?",
                 ORIENTED: f"{SAME_WAY}.",
+                CROSSING: MISPLACED,
             },
             fields.noise,
         ),
@@ -177,6 +185,7 @@ EXERCISES = {
                 SIDES: "Between an inside and an outside sample no polygon passes.",
                 MANIFOLD: "An edge has four triangles. It is a chord, and it lies on the face that "
                 "two cells share, where each of them cut a polygon along it.",
+                CROSSING: MISPLACED,
             },
             fields.noise,
         ),
@@ -211,7 +220,7 @@ EXERCISES = {
                 SIDES: "Between an active and an inactive voxel no cycle passes.",
                 CLOSED: "The cycles do not close. Four paths end at a point of ambiguity, and all "
                 "four must turn the same way: what do they have in common?",
-                "geometry.crossing": "A support point is moved along its range vector, but not to "
+                CROSSING: "A support point is moved along its range vector, but not to "
                 "where the line between the two voxels takes the isovalue. From which end is the "
                 "way measured?",
                 "cells.mean": "A point of ambiguity connects its active voxels where the mean of "
@@ -228,6 +237,7 @@ EXERCISES = {
                 ORIENTED: "Two simplices that share a facet give it the same orientation.",
                 SIDES: "The second component is cut in the wrong place. What is its value at a "
                 "vertex that the first cut has made?",
+                CROSSING: MISPLACED,
             },
             fields.dimensions,
         ),
@@ -242,6 +252,7 @@ EXERCISES = {
                 "way along the curve.",
                 SIDES: "The curve does not pass a face of the lattice as often, or not in the "
                 "direction, that the samples say.",
+                VERTICES: "A node is not in a cell that both surfaces pass.",
             },
             fields.pairs_of_fields,
         ),
@@ -254,6 +265,7 @@ EXERCISES = {
                 SIDES: "The surface faces the wrong way.",
                 MANIFOLD: "Two pieces of surface meet in a vertex, or in an edge of four "
                 "triangles: they pass through one cell, and it gave them one vertex between them.",
+                VERTICES: "A vertex is outside its cell.",
             },
             fields.islands,
         ),
@@ -271,7 +283,7 @@ EXERCISES = {
                 "structure.no_repeated_index": "A segment begins and ends in the same point. Two "
                 "crossings were taken for one because they are near each other; is being near the "
                 "same as being the same?",
-                "geometry.crossing": "A point is not where the straight line between its two "
+                CROSSING: "A point is not where the straight line between its two "
                 "samples takes the value: it was kept away from a sample that it is close to.",
                 MANIFOLD: "Two contours meet in a point. Two crossings were taken for one because "
                 "they are near each other; is being near the same as being the same?",

@@ -152,7 +152,7 @@ def pairs_of_fields() -> list[Case]:
     rng = np.random.default_rng(11)
     return [
         case(f"meeting-{k}", rng.normal(size=(2, *shape)), 0.1, CURVES)
-        for k, shape in enumerate([(2, 2, 2)] * 12 + [(3, 3, 3)] * 6 + [(4, 4, 4)] * 2)
+        for k, shape in enumerate([(2, 2, 2)] * 12 + [(3, 3, 3)] * 4)
     ]
 
 
