@@ -326,6 +326,13 @@ def test_the_commit_is_that_of_the_checkout_or_nothing() -> None:
     assert found == "" or re.fullmatch(r"[0-9a-f]{7,40}(-dirty)?", found)
 
 
+def test_every_judge_says_when_it_passes() -> None:
+    """Each claim of a page is shown with its judge, by what that says of itself."""
+    told = {name: record.first_line(claim.judge) for name, claim in EVERY_CLAIM.items()}
+    assert len(told) > 50
+    assert [name for name, said in told.items() if not said.startswith("Pass ")] == []
+
+
 def test_the_oracles_of_a_claim_are_read_off_its_judge() -> None:
     assert oracles_of("structure.answers") == ()
     assert set(oracles_of("topology.trilinear")) >= {"trilinear", "sheets"}

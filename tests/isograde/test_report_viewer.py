@@ -332,6 +332,31 @@ fn main() {
 
 
 @pytest.mark.slow
+def test_on_paper_every_claim_is_open_and_afterwards_as_it_was(
+    report: Report, tmp_path: Path
+) -> None:
+    """Issue 12: printed. What is held and every claim can be read; lines to copy stay folded."""
+    script = """
+      const count = () => document.querySelectorAll(
+        "details.family:not([open]), details.failure:not(.unheld):not([open])").length;
+      const before = count();
+      dispatchEvent(new Event("beforeprint"));
+      const printed = count();
+      dispatchEvent(new Event("afterprint"));
+      return [before, printed, count()];
+    """
+    before, printed, after = found(page(report), script, tmp_path)
+    assert before > 0
+    assert (printed, after) == (0, before)
+
+
+def test_on_paper_the_ground_is_white_whatever_the_reader_prefers() -> None:
+    """The dark colours are of screens alone."""
+    style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
+    assert style.count("prefers-color-scheme: dark") == 1
+    assert "@media screen and (prefers-color-scheme: dark)" in style
+
+
 def test_a_page_without_a_clipboard_shows_the_text(tmp_path: Path) -> None:
     script = """
       Object.defineProperty(navigator, "clipboard", { value: undefined });

@@ -146,6 +146,7 @@ def _claim(name: str, rule: str, judge: Callable[[Beside], Finding]) -> Claim:
             return skipped("a part of the case is no whole body")
         return judge(beside(trial))
 
+    of_trial.__doc__ = judge.__doc__
     return Claim(
         f"bodies.{name}", rule, DERIVED, 0, on_mesh(of_trial), kinds=lambda kind: kind in KINDS,
         tags=frozenset({"bodies"}), firm=True,

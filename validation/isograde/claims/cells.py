@@ -406,6 +406,7 @@ def chosen(choice: Choice, told: str) -> Judge:
 
     @on_mesh
     def judge(trial: Trial) -> Finding:
+        """Pass when every ambiguous face is decided in this way."""
         faces = ambiguous_of(trial)
         if not len(faces.face):
             return faces.open or skipped("no face is ambiguous")

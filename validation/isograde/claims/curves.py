@@ -163,6 +163,7 @@ def _claim(
             return skipped("of a part of a case nothing is known")
         return judge(trial)
 
+    of_trial.__doc__ = judge.__doc__
     return Claim(
         f"curves.{name}", rule, source, level, on_mesh(of_trial),
         kinds=kinds, families=families, tags=frozenset(tags), promised=promised,

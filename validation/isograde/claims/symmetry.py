@@ -91,6 +91,7 @@ def same(difference: Difference, *asked: str) -> Judge:
 
     @on_mesh
     def judge(trial: Trial) -> Finding:
+        """Pass when each of these ways to pose the field gives the plain answer."""
         same_ones, empty = 0, not len(complex_of(trial).simplices)
         for name in variants.named(asked, trial.kind):
             if name not in trial.outcomes or not _posed_alike(trial, name):
