@@ -60,7 +60,7 @@ References
 ----------
 [1] E. V. Chernyaev, "Marching cubes 33", CERN CN 95-17, 1995.
 [2] A. Lopes, K. Brodlie, "Improving the robustness and accuracy of the marching cubes algorithm
-    for isosurfacing", IEEE TVCG 9(1), 2003: body saddles.
+    for isosurfacing", IEEE TVCG 9(1), 2003: body saddles; small changes for small steps.
 [3] G. M. Nielson, "On marching cubes", IEEE TVCG 9(3), 2003.
 [4] L. Custodio, T. Etiene, S. Pesco, C. Silva, "Practical considerations on marching cubes 33
     topological correctness", Computers & Graphics 37(7), 2013: the interior test mended.
@@ -574,7 +574,137 @@ def _leaves(g: Floats, start: Floats) -> Floats:
     return np.asarray(start + near[..., None] * way)
 
 
+# --- continuity: what the mesh does where a tunnel ends -------------------------------------------
+#
+# As the isovalue passes the value of a saddle in the cell, a tunnel's waist shrinks to the saddle
+# and parts. The two sheets that are left have their tips there, but two flat discs know nothing of
+# it: the mesh jumps. So give each disc a point that comes from the saddle.
+#
+# Move the origin so that F = h XYZ + A X + B Y + C Z + c. Where R^2 = -ABC/h > 0 the saddles are
+# s (R/A, R/B, R/C) with s = 1 and -1, and on the line through both
+#
+#     F = c + R (3 s - s^3),    2 R above and below c at the saddles.
+#
+# With k = -c / R the level set meets the line where s^3 - 3 s + k = 0. For k > 2 there is a tunnel
+# round the line at s = 1 that joins outside parts, for k < -2 one at s = -1 that joins inside
+# parts; in between, the two roots next to that saddle are the tips of its two sheets.
+
+
+@cache
+def candidates(signs: int, decisions: int) -> dict[int, tuple[Polygon, Polygon]]:
+    """The two polygons that a tunnel of either kind would join, by its bit, if there was one.
+
+    >>> sorted(candidates(0b10000001, 0)) == [INSIDE_TUNNEL]
+    True
+    """
+    separated = decisions & FACE_BITS
+    found = {bit: tunnel(signs, separated | bit) for bit in (INSIDE_TUNNEL, OUTSIDE_TUNNEL)}
+    return {bit: pair for bit, pair in found.items() if pair is not None}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The line through both saddles of n cells.
+
+    centre, step : (n, 3) so that the saddles are centre +- step
+    k : (n,) where the isovalue is between the saddles' values, from -2 to 2; NaN where there are no
+        two saddles
+    """
+
+    centre: Floats
+    step: Floats
+    k: Floats
+
+    @classmethod
+    def of(cls, g: Floats) -> Axis:
+        """That of cells g (8, n)."""
+        # Write F in powers of x, y, z: the coefficient of each product.
+        powers = normalised(g).reshape(2, 2, 2, -1).copy()
+        for axis in range(3):
+            low, high = (powers.take([side], axis=axis) for side in (0, 1))
+            powers = np.concatenate([low, high - low], axis=axis)
+        one, x, y, xy, z, xz, yz, h = powers.reshape(8, -1)
+        with np.errstate(all="ignore"):
+            centre = np.array([-yz / h, -xz / h, -xy / h])
+            slopes = np.array([x - xy * xz / h, y - xy * yz / h, z - xz * yz / h])
+            R = np.sqrt(-slopes.prod(axis=0) / h)
+            # At the centre X = Y = Z = 0, so F is c there.
+            c = one - x * yz / h - y * xz / h - z * xy / h + 2 * xy * xz * yz / h**2
+            return cls(centre.T, (R / slopes).T, -c / R)
+
+    def tips(self, side: int) -> Floats:
+        """(2, n, 3) the sheets' points on the line next to the saddle 1 or -1, the inner one first.
+
+        For k beyond the saddle's value, the saddle.
+        """
+        with np.errstate(all="ignore"):
+            third = np.arccos(np.clip(-side * self.k / 2, -1, 1)) / 3
+            s = side * 2 * np.cos(np.array([third - 2 * np.pi / 3, third]))
+            return np.asarray(self.centre + s[..., None] * self.step)
+
+
+@dataclass(frozen=True)
+class OnTip:
+    """The placement of a disc's point: at the tip of its sheet where a tunnel has just ended.
+
+    Half-way between the saddles' values, and beyond, it stands where it would without tunnels; from
+    there to the saddle's value it goes to the tip in proportion.
+
+    pairs : by the bit of a tunnel that would end in this disc, the two discs it would join
+    """
+
+    polygon: Polygon
+    pairs: tuple[tuple[int, tuple[Polygon, Polygon]], ...]
+
+    def __call__(self, g: Floats, crossings: Floats) -> Floats:
+        """The points, (n, 3)."""
+        triangle = len(self.polygon) == 3
+        mean = crossings[list(self.polygon)].mean(axis=0)
+        points = mean if triangle else OnSurface(self.polygon)(g, crossings)
+        axis = Axis.of(g)
+        for bit, (first, second) in self.pairs:
+            # Take the outer tip for the disc that is further out on the line.
+            side = 1 if bit == OUTSIDE_TUNNEL else -1
+            ways = [
+                side * ((crossings[list(p)].mean(axis=0) - axis.centre) * axis.step).sum(axis=1)
+                for p in (first, second)
+            ]
+            outer = (ways[0] > ways[1]) == (self.polygon == first)
+            tip = np.where(outer[:, None], *axis.tips(side)[::-1])
+
+            # Go there in proportion, where the saddle is inside the cell.
+            saddle = axis.centre + side * axis.step
+            inside_cell = ((saddle > 0) & (saddle < 1)).all(axis=1)
+            share = np.where(inside_cell, np.clip(side * axis.k / 2, 0, 1), 0)
+            tip = np.where(share[:, None] > 0, np.clip(tip, 0, 1), points)
+            points = points + share[:, None] * (tip - points)
+        return np.asarray(points)
+
+
+@cache
+def continuous_tile(signs: int, decisions: int) -> Tile:
+    """The tile with a point in each disc of four sides or more, or that a tunnel may have left."""
+    plain = tile(signs, decisions, 3)
+    joined = tunnel(signs, decisions) or ()
+    pairs = candidates(signs, decisions)
+    triangles, interior = list(plain.triangles), list(plain.interior)
+    for polygon in cycles(signs, decisions & FACE_BITS):
+        own = tuple((bit, pair) for bit, pair in pairs.items() if polygon in pair)
+        if not own or polygon in joined:
+            continue
+        if len(polygon) == 3:
+            at = min(n for n, t in enumerate(triangles) if set(t) == set(polygon))
+            triangles[at : at + 1] = fan(polygon, 12 + len(interior))
+            interior.append(OnTip(polygon, own))
+        else:
+            interior[interior.index(OnSurface(polygon))] = OnTip(polygon, own)
+    return Tile(tuple(triangles), tuple(interior))
+
+
 RULE = Rule("trilinear-cubes", tile, decisions, asks, bits=8)
+
+#: The rule whose mesh does not jump where a tunnel ends.
+CONTINUOUS = Rule("trilinear-cubes-continuous", continuous_tile, decisions, asks, bits=8)
 
 
 def drawn(largest: int) -> Rule:

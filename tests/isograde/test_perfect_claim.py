@@ -198,3 +198,28 @@ def test_the_levelled_field_is_unmoved_and_has_the_cycles_of_the_plain_one() -> 
             assert np.abs(level.points - 0.5 * level.centres).max() < 2.0**-13
             lengths.update(level.lengths)
     assert {8, 9} <= set(lengths)
+
+
+@pytest.mark.parametrize("narrow", [70, 90])
+def test_a_narrow_tunnel_is_drawn_with_small_triangles_and_is_no_fault(narrow: int) -> None:
+    """The levelled values say how narrow it is; the same triangles on one line are a fault."""
+    values = np.array([-1, 1, -1, -1, 70, -1, -1, narrow], np.float64).reshape(2, 2, 2)
+    case = Case("narrow", lambda: Field.of(values), (0.0,), 8, frozenset({"posed"}))
+    posed = pose("level", case, case.build())
+    assert posed is not None
+    for squeeze, verdict in ((False, Verdict.PASS), (True, Verdict.FAIL)):
+
+        def run(
+            values: Array, isovalue: float, spacing: tuple[float, ...], squeeze: bool = squeeze
+        ) -> Answer:
+            vertices, faces = of_method("trilinear-cubes")(values, isovalue, spacing)
+            points = inner(vertices)
+            assert len(points) == 6
+            if squeeze:
+                vertices[points] = vertices[points].mean(axis=0)
+            return vertices, faces
+
+        outcome = Inside(Miniature("here", run)).run(Request(case.id, "level", *posed))
+        outcomes = {"plain": outcome, "level": outcome}
+        trial = Trial(case, case.build(), Declaration("here"), outcomes)
+        assert CLAIMS[CLAIM].judge(trial).verdict is verdict

@@ -19,9 +19,11 @@ from isoref.cube import CORNERS, EDGES, ambiguous_faces
 from isoref.cycles import cycles, share_face
 from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats, Integers
+from isoref.mesh import Mesh
 from isoref.methods import METHODS
-from isoref.rule import Tile
+from isoref.rule import Rule, Tile
 from scipy import ndimage
+from scipy.spatial import cKDTree
 
 FLIP = np.array([4 * i + 2 * j + k for i, j, k in CORNERS])
 """The truth's number of each corner."""
@@ -424,9 +426,90 @@ def test_points_on_the_level_set_bring_the_mesh_nearer_to_it(largest: int) -> No
     assert means[1] < (0.85 if largest == 3 else 0.97) * means[0]
 
 
-def test_the_drawn_rules_are_proved() -> None:
+@pytest.mark.parametrize(
+    "rule",
+    [tc.drawn(5), pytest.param(tc.CONTINUOUS, marks=pytest.mark.slow)],
+    ids=lambda rule: rule.name,
+)
+def test_the_drawn_rules_are_proved(rule: Rule) -> None:
     """By enumeration, as the plain rule is."""
-    assert prove(tc.drawn(5)).holds
+    assert prove(rule).holds
+
+
+def test_the_axis_goes_through_both_saddles_and_says_on_which_side_a_tunnel_is() -> None:
+    """No slope at the saddles, and tips on the level set; k beyond 2 in a cell with a tunnel."""
+    g = np.random.default_rng(0).uniform(-1, 1, (8, 20_000))
+    axis, steps = tc.Axis.of(g), 1e-5 * np.eye(3)
+    scaled = tc.normalised(g)
+    real = np.isfinite(axis.k) & (np.abs(axis.step).max(axis=1) < 3)
+    assert real.sum() > 1000
+    for side in (1, -1):
+        saddle = (axis.centre + side * axis.step)[real]
+        slopes = [
+            tc.interpolate(scaled[:, real], saddle + step)
+            - tc.interpolate(scaled[:, real], saddle - step)
+            for step in steps
+        ]
+        assert np.abs(slopes).max() < 1e-8
+        between = real & (np.abs(axis.k) < 2) & (np.abs(axis.centre).max(axis=1) < 3)
+        for tip in axis.tips(side):
+            assert np.abs(tc.interpolate(scaled[:, between], tip[between])).max() < 1e-8
+    there, joins_inside = tc.tunnels(g)
+    assert there.sum() > 50
+    assert (np.abs(axis.k[there]) > 2).all()
+    assert ((axis.k[there] < 0) == joins_inside[there]).all()
+
+
+def hausdorff(one: Mesh, other: Mesh) -> float:
+    """The distance of two small meshes, by points on their triangles."""
+    weights = np.array([[i, j, 8 - i - j] for i in range(9) for j in range(9 - i)]) / 8
+    a, b = (
+        np.einsum("pk,fkd->pfd", weights, m.vertices[m.simplices]).reshape(-1, 3)
+        for m in (one, other)
+    )
+    return float(max(cKDTree(b).query(a)[0].max(), cKDTree(a).query(b)[0].max()))
+
+
+def test_the_mesh_does_not_jump_where_a_tunnel_ends() -> None:
+    """Lopes and Brodlie: a hundredth of the step moves it a tenth as far; the plain rule jumps."""
+    g = np.random.default_rng(2).uniform(-1, 1, (8, 6000))
+    axis, found = tc.Axis.of(g), 0
+    for side in (1, -1):
+        saddle = axis.centre + side * axis.step
+        inside = ((saddle > 0) & (saddle < 1)).all(axis=1)
+        level = np.zeros(g.shape[1])
+        level[inside] = tc.interpolate(g[:, inside], saddle[inside])
+        ends = inside & tc.tunnels(g - np.where(inside, level + side * 1e-4, 0))[0]
+        for n in np.flatnonzero(ends)[:5].tolist():
+            field, at = Field.of(g[:, n].reshape(2, 2, 2)), level[n]
+            plain, near, nearer = (
+                hausdorff(sweep(rule, field, at - step), sweep(rule, field, at + step))
+                for rule, step in ((tc.RULE, 1e-5), (tc.CONTINUOUS, 1e-3), (tc.CONTINUOUS, 1e-5))
+            )
+            assert plain > 0.15
+            assert nearer < 0.06
+            assert nearer < near / 3
+            found += 1
+    assert found >= 6
+
+
+def test_the_continuous_rule_keeps_topology_and_is_free_of_crossings() -> None:
+    """As closed, as many pieces and handles as the plain tiles, on noise; plain and fast agree."""
+    values = np.pad(np.random.default_rng(8).normal(size=(6, 6, 6)), 1, constant_values=-1.0)
+    field = Field.of(values)
+    plain, fine = sweep(tc.RULE, field, 0.0), sweep(tc.CONTINUOUS, field, 0.0)
+    one, other = (Complex.of(m.vertices, m.simplices) for m in (plain, fine))
+    assert (one.components, one.euler) == (other.components, other.euler)
+    assert len(other.open_facets) == len(other.crowded_facets) == 0
+    assert len(self_intersections(fine.vertices, fine.simplices)) == 0
+
+
+def test_a_cell_without_two_saddles_is_drawn_all_the_same() -> None:
+    """Two opposite corners alone, no axis: the discs have their points all the same."""
+    for cell in ([1, -1, -1, -1, -1, -1, -1, 1], [3, -1, -1, 0.5, -1, 0.5, 0.5, 3]):
+        field = Field.of(np.array(cell, float).reshape(2, 2, 2))
+        for level in (0.0, 0.9, 1e-300):
+            assert np.isfinite(sweep(tc.CONTINUOUS, field, level).vertices).all()
 
 
 def test_a_polygon_of_two_sides_is_refused() -> None:

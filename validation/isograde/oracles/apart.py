@@ -17,17 +17,19 @@ from scipy.spatial import KDTree
 
 #: Below this a doubled area or a distance is taken for none.
 MARGIN = 0.01
+#: Below this it is what single precision rounds off.
+ROUNDING = 1e-6
 
 
-def without_area(corners: Floats) -> Integers:
-    """The triangles of no area.
+def without_area(corners: Floats, margin: float = MARGIN) -> Integers:
+    """The triangles of no area, or of less than the margin.
 
     >>> without_area(np.array([[[0, 0, 0], [1, 1, 0], [2, 2, 0]]]))
     array([0])
     """
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(normals, axis=1)
-    return np.flatnonzero(doubled < MARGIN)
+    return np.flatnonzero(doubled < margin)
 
 
 def together(places: Floats) -> Integers:
