@@ -670,7 +670,8 @@ class OnTip:
                 for p in (first, second)
             ]
             outer = (ways[0] > ways[1]) == (self.polygon == first)
-            tip = np.where(outer[:, None], *axis.tips(side)[::-1])
+            near, far = axis.tips(side)
+            tip: Floats = np.where(outer[:, None], far, near)
 
             # Go there in proportion, where the saddle is inside the cell.
             saddle = axis.centre + side * axis.step

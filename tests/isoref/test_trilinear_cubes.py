@@ -467,7 +467,7 @@ def hausdorff(one: Mesh, other: Mesh) -> float:
         np.einsum("pk,fkd->pfd", weights, m.vertices[m.simplices]).reshape(-1, 3)
         for m in (one, other)
     )
-    return float(max(cKDTree(b).query(a)[0].max(), cKDTree(a).query(b)[0].max()))
+    return max(float(np.max(cKDTree(x).query(y)[0])) for x, y in ((a, b), (b, a)))
 
 
 def test_the_mesh_does_not_jump_where_a_tunnel_ends() -> None:
