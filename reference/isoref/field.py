@@ -104,7 +104,7 @@ class Field:
         if isinstance(values, np.ma.MaskedArray):
             raise FieldError(
                 "a masked array has samples that do not count, and a field has none: fill it "
-                "(values.filled(number)) or crop it"
+                "(values.filled(number)), crop it, or let extract leave them out (absent=True)"
             )
         try:
             samples = np.asarray(values)

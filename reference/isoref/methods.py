@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Protocol, overload
+from typing import Any, Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -217,7 +217,7 @@ dimension 2)]
     samples, gone = (values, None) if absent is False else filled(values, absent)
     field = Field.of(samples, spacing, origin, directions=directions)
 
-    def at(level: float) -> Mesh:
+    def at(level: Any) -> Mesh:
         return surface(
             field,
             level,
@@ -229,6 +229,6 @@ dimension 2)]
             provenance=provenance,
         )
 
-    if isinstance(isovalue, Sequence | np.ndarray) and not isinstance(isovalue, str):
+    if isinstance(isovalue, Sequence | np.ndarray) and np.ndim(isovalue) > 0:
         return [at(level) for level in isovalue]
     return at(isovalue)

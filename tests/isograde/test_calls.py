@@ -116,6 +116,38 @@ def test_reports_of_unlike_plans_are_not_compared() -> None:
         isograde.compare(one, other)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"jobs": 0}, "jobs=0: give a whole number of at least 1"),
+        ({"jobs": "two"}, "jobs='two'"),
+        ({"seed": -1}, "at least 0"),
+        ({"seed": 1.5}, "whole number"),
+        ({"memory": 0}, "at least 16"),
+        ({"timeout": 0}, "timeout=0: give seconds"),
+        ({"timeout": float("nan")}, "timeout=nan"),
+        ({"timeout": float("inf")}, "timeout=inf"),
+        ({"timeout": "30"}, "timeout='30'"),
+        ({"expected_failures": ["topology.closed"]}, "a file of expectations, not a list"),
+    ],
+)
+def test_a_wrong_number_is_told_before_anything_starts(wrong: Any, told: str) -> None:
+    """As the command tells it: an unchecked 0 would make every call run out of time."""
+    with pytest.raises(ValueError, match=told):
+        isograde.grade("isoref:lorensen-cline", only=FEW, **wrong)
+
+
+def test_check_takes_seconds_too() -> None:
+    with pytest.raises(ValueError, match="timeout=-1"):
+        isograde.check(reference, timeout=-1)
+
+
+def test_one_id_is_as_good_as_a_list() -> None:
+    """A text is no sequence of letters."""
+    found = isograde.grade(reference, only="cells/inside/001", show_progress=False)
+    assert list(found.report.cases) == ["cells/inside/001"]
+
+
 def test_a_function_that_cannot_be_sent_says_what_to_do() -> None:
     held = (line for line in "abc")
     with pytest.raises(AdapterError, match="put it in a module"):

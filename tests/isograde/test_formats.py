@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import gc
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from isograde.formats.reading import READERS, Asked, Stored, VolumeError, read
+from isograde.formats.reading import READERS, Asked, Stored, VolumeError, other_format, read
 from isograde.formats.writing import MESH_FILES, write
 from isoref import METHODS, Field, Mesh, extract
 from numpy.typing import NDArray
@@ -241,6 +242,11 @@ def test_a_missing_slice_and_a_second_series_are_told(tmp_path: Path) -> None:
     write_series(tmp_path / "two", LPS @ oblique(), uid="1.2.4")
     with pytest.raises(VolumeError, match=r"1\.2\.3.*, 1\.2\.4.*; name one with --dataset"):
         read(tmp_path / "two")
+    for file in (tmp_path / "two").glob("1.2.4-*"):
+        file.unlink()
+    shutil.copy(tmp_path / "two" / "1.2.3-07.dcm", tmp_path / "two" / "again.dcm")
+    with pytest.raises(VolumeError, match=r"stand at one place: there are copies"):
+        read(tmp_path / "two")
     (tmp_path / "none").mkdir()
     with pytest.raises(VolumeError, match="no DICOM series"):
         read(tmp_path / "none")
@@ -469,3 +475,57 @@ def test_a_file_that_is_no_volume_is_told_why(
         read(tmp_path / "bad.npz")
     assert str(told.value).startswith(str(tmp_path / "bad.npz"))
     assert len(str(told.value).splitlines()) == 1
+
+
+def in_format(ending: str, path: Path) -> Path:
+    """A file with this ending, of the format that it says."""
+    file = path.with_name(f"{path.name}{ending}")
+    if ending in (".nii", ".nii.gz"):
+        nibabel.save(nibabel.Nifti1Image(samples().astype(np.float32), np.eye(4)), file)
+    elif ending == ".npz":
+        np.savez(file, values=samples())
+    elif ending == ".npy":
+        np.save(file, samples())
+    else:
+        itk.WriteImage(itk.GetImageFromArray(samples().astype(np.float32)), str(file))
+    return file
+
+
+@pytest.mark.parametrize("of", [".nii", ".nii.gz", ".npy", ".npz", ".nrrd", ".mha", ".tif"])
+def test_a_wrong_ending_is_told_by_how_the_file_begins(of: str, tmp_path: Path) -> None:
+    """Attack: scans that were renamed; a right name gets no such hint."""
+    right = in_format(of, tmp_path / "köpf")
+    assert other_format(right) == ""
+    assert read(right).values.shape in (samples().shape, samples().T.shape)
+    for ending in {".nii", ".nii.gz", ".nrrd", ".npz", ".npy", ".weird", ""} - {of}:
+        wrong = tmp_path / f"wrong{ending}"
+        shutil.copy(right, wrong)
+        with pytest.raises(VolumeError, match=r"it begins as .* does: rename it"):
+            read(wrong)
+
+
+@pytest.mark.parametrize("ending", [".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd"])
+def test_names_in_any_script_are_read(ending: str, tmp_path: Path) -> None:
+    """Detached headers name their data in UTF-8."""
+    path = tmp_path / f"Schädel 頭 ☠{ending}"
+    given = samples().T.astype(np.float32)
+    itk.WriteImage(itk.GetImageFromArray(given), str(path))
+    assert sorted(read(path).values.ravel().tolist()) == sorted(given.ravel().tolist())
+
+
+@pytest.mark.parametrize(
+    ("affine", "told"),
+    [
+        (np.diag([1.0, 1, 0, 1]), "moves nothing along axis 2"),
+        ([[1, 2, 0, 0], [0, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]], "directions lie in a plane"),
+        (np.diag([1, np.nan, 1, 1]), "finite numbers"),
+    ],
+)
+def test_an_affine_that_flattens_space_is_refused(affine: Any, told: str, tmp_path: Path) -> None:
+    header = nibabel.Nifti1Image(samples().astype(np.float32), np.eye(4)).header
+    header.set_sform(np.array(affine), 1)
+    header["qform_code"] = 0
+    image = nibabel.Nifti1Image(samples().astype(np.float32), None, header)
+    nibabel.save(image, tmp_path / "flat.nii")
+    with pytest.raises(VolumeError, match=told):
+        read(tmp_path / "flat.nii")

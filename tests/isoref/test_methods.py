@@ -186,3 +186,16 @@ def test_a_cap_closes_beside_an_absent_corner_too() -> None:
     a, b, c = np.moveaxis(mesh.vertices[mesh.simplices], 1, 0)
     assert (a * np.cross(b, c)).sum() / 6 == pytest.approx(4**3 - 1 / 6)
     assert len(extract(values, 0.5, absent=True).simplices) == 0
+
+
+def test_an_isovalue_may_be_an_array_of_no_axes() -> None:
+    """As NumPy gives one; of an axis there are several."""
+    values = np.indices((3, 3, 3))[0]
+    none: Any = np.array(0.5)
+    one: Any = np.array([0.5])
+    first, (same,) = extract(values, none), extract(values, one)
+    assert np.array_equal(first.vertices, same.vertices)
+    wrong: Any
+    for wrong in (None, "high", [[0.5]]):
+        with pytest.raises(FieldError, match="is not a number"):
+            extract(values, wrong)

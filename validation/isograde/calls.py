@@ -7,6 +7,7 @@ is sent with its code to the process in which it runs.
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Sequence
 from os import PathLike
@@ -35,7 +36,7 @@ from isograde.runner import Options, processors
 def grade(
     implementation: Implementation,
     *,
-    only: Sequence[str] = (),
+    only: str | Sequence[str] = (),
     full: bool = False,
     seed: int = 0,
     timeout: float = 30.0,
@@ -51,10 +52,10 @@ def grade(
     ----------
     implementation : a function of samples, isovalue and spacing, or a name such as
         "skimage:lewiner", "python:module:function", "exec:./program", "dir:folder"
-    only : ids of claims or cases, or globs of them; empty for all
+    only : an id of claims or cases, or a glob of them, or several; empty for all
     full : every case, and many more in every way
     seed : other numbers under the same ids
-    timeout, memory : seconds and megabytes a call may take
+    timeout, memory : seconds and megabytes a call may take, at least 0.01 and 16
     jobs : processes; by default as many as processors
     expected_failures : reasons by claim, or a file that ``--write-expect`` wrote; what is
         expected to fail does not count, except on known bodies
@@ -71,6 +72,8 @@ def grade(
         where no case and claim match `only`.
     ExpectationError
         where `expected_failures` name no claim, or a known body.
+    ValueError
+        for a number out of its range.
 
     >>> found = grade("isoref:lorensen-cline", only=["pairs/0217", "topology.closed"])
     >>> found.failures["topology.closed"].partition(": ")[2][:48]
@@ -78,8 +81,13 @@ def grade(
     >>> found.holds
     False
     """
+    _check_seconds(timeout)
+    for name, number, least in (("seed", seed, 0), ("memory", memory, 16), ("jobs", jobs, 1)):
+        if number is not None and not (isinstance(number, int) and number >= least):
+            raise ValueError(f"{name}={number!r}: give a whole number of at least {least}")
     limits, expected = Limits(timeout, memory), expectations(expected_failures)
-    options = Options(seed, full, tuple(only), limits, jobs or processors())
+    wanted = (only,) if isinstance(only, str) else tuple(only)
+    options = Options(seed, full, wanted, limits, processors() if jobs is None else jobs)
     title = implementation if isinstance(implementation, str) else name_of(implementation)
     with (
         named(implementation) as spec,
@@ -94,11 +102,20 @@ def grade(
 def check(implementation: Implementation, *, timeout: float = 10.0) -> Checked:
     """What the call to an implementation does wrong, in a few seconds, with advice on each mistake.
 
+    `timeout` is in seconds a call; errors are those of `grade`.
+
     >>> print(check("skimage:levine"))
           error  no implementation 'skimage:levine'; did you mean skimage:lewiner?
     """
+    _check_seconds(timeout)
     with named(implementation) as spec:
         return checking.check(spec, timeout)
+
+
+def _check_seconds(timeout: float) -> None:
+    """Raise ValueError unless this is a number of seconds that a call can take."""
+    if not (isinstance(timeout, int | float) and 0.01 <= timeout < math.inf):
+        raise ValueError(f"timeout={timeout!r}: give seconds, at least 0.01")
 
 
 def compare(*implementations: Implementation | PathLike[str] | Grade, **options: Any) -> Comparison:

@@ -70,8 +70,11 @@ topology.manifold?
         return {}
     if isinstance(given, Mapping):
         said = {name: {"reason": why, "cases": [EVERY]} for name, why in given.items()}
-    else:
+    elif isinstance(given, str | PathLike):
         said = dict(_loaded(Path(given)))
+    else:
+        kind = type(given).__name__
+        raise ExpectationError(f"give {{claim: reason}}, or a file of expectations, not a {kind}")
     return {name: _entry(name, one) for name, one in said.items()}
 
 

@@ -125,7 +125,7 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
     reader = _reader_of(path, asked)
     try:
         if told := _unsafe(path):
-            raise VolumeError(f"{path} cannot be read: {told}")
+            raise FieldError(told)
         with within_memory():
             stored = reader(path, asked)
         if asked.spacing is not None:
@@ -141,8 +141,42 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
     except Exception as error:
         said = _in_one_line(error)
         hint = " (--absent leaves them out)" if said.endswith("that are not finite") else ""
+        if other := other_format(path):
+            said = f"it begins as {other} does: rename it"
         raise VolumeError(f"{path} cannot be read: {said}{hint}") from error
     return stored
+
+
+# How files of a format begin, at which byte, and the endings they have.
+BEGINNINGS = (
+    (0, b"\x93NUMPY", "a .npy file", (".npy",)),
+    (0, b"PK\x03\x04", "an .npz file", (".npz",)),
+    (0, b"NRRD", "an .nrrd file", (".nrrd", ".nhdr")),
+    (344, b"n+1\0", "a .nii file", (".nii",)),
+    (344, b"n+2\0", "a .nii file", (".nii",)),
+    (4, b"n+2\0", "a .nii file", (".nii",)),
+    (0, b"\x1f\x8b", "a compressed file, .nii.gz or .mgz,", (".nii.gz", ".mgz")),
+    (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file (.h5)", (".h5", ".hdf5")),
+    (0, b"II*\0", "a .tif file", (".tif", ".tiff")),
+    (0, b"MM\0*", "a .tif file", (".tif", ".tiff")),
+    (0, b"ObjectType", "a MetaImage (.mha, .mhd)", (".mha", ".mhd")),
+    (0, b"# vtk DataFile", "a .vtk file", (".vtk",)),
+    (0, b"<VTKFile", "a .vti file", (".vti",)),
+    (128, b"DICM", "a DICOM file (.dcm)", (".dcm",)),
+)
+
+
+def other_format(path: Path) -> str:
+    """The format that a file's first bytes are of, where its name says another; else nothing."""
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        first = file.read(512)
+    known = (
+        (told, endings) for at, word, told, endings in BEGINNINGS if first[at:].startswith(word)
+    )
+    told, endings = next(known, ("", ()))
+    return "" if ending_of(path) in endings else told
 
 
 def _unsafe(path: Path) -> str:
@@ -164,8 +198,10 @@ def _reader_of(path: Path, asked: Asked) -> Reader:
     if asked.stays and ending not in STAYS:
         raise VolumeError(f"{path.name} cannot be read by planes; {', '.join(STAYS)} can")
     if ending not in READERS:
+        other = other_format(path)
         raise VolumeError(
             f"{path.name} ends in none of {', '.join(sorted(READERS))}, and is no folder of DICOM"
+            + f"; it begins as {other} does: rename it" * bool(other)
         )
     return READERS[ending]
 
@@ -359,7 +395,12 @@ def _nifti(path: Path, _: Asked) -> Stored:
 def _nrrd(path: Path, _: Asked) -> Stored:
     """An NRRD file: a direction for each axis that has one, else spacings."""
     nrrd = library("nrrd")
-    values, header = nrrd.read(str(path))
+    header = nrrd.read_header(str(path))
+    for name in {"data file", "datafile"} & header.keys():
+        header[name] = _data_file(path)  # pynrrd leaves out what is not ASCII.
+    with path.open("rb") as file:
+        nrrd.read_header(file)
+        values = nrrd.read_data(header, file, str(path))
     rows, spacings = header.get("space directions"), header.get("spacings")
     notes: tuple[str, ...] = ()
     if rows is None:
@@ -384,6 +425,13 @@ def _nrrd(path: Path, _: Asked) -> Stored:
         affine, space = np.diag([-1.0, 1, 1, 1]) @ affine, "RAS"
     unit = str((header.get("space units") or [""])[0])
     return _stored(values, affine, space, unit, notes)
+
+
+def _data_file(path: Path) -> str:
+    """The file that a detached NRRD header names."""
+    lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
+    names = (re.fullmatch(r"data ?file: *(.*?) *", line, re.I) for line in lines)
+    return next(found[1] for found in names if found is not None)
 
 
 def _itk(path: Path, _: Asked) -> Stored:
@@ -440,6 +488,12 @@ def _dicom_series(folder: Path, asked: Asked) -> Stored:
     places = np.array([[float(x) for x in tag.split("\\")] for tag in tags])
     step = (places[-1] - places[0]) / (slices - 1)
     gaps = np.linalg.norm(np.diff(places, axis=0) - step, axis=1)
+    apart = np.linalg.norm(np.diff(places[np.lexsort(places.T)], axis=0), axis=1)
+    if not apart.all():
+        raise VolumeError(
+            f"slices of {folder} stand at one place: there are copies, or the series holds several "
+            "volumes"
+        )
     if gaps.max() > 0.01 * np.linalg.norm(step):
         k = int(gaps.argmax())
         raise VolumeError(
