@@ -102,7 +102,7 @@ linkcheck: $(STAMP)
 	$(BIN)/python -m sphinx -q -b linkcheck -D plot_gallery=0 docs docs/_build/linkcheck || true
 	$(BIN)/python docs/_ext/isosite/links.py --elsewhere docs/_build/linkcheck
 
-# Beside the site, whose explorer they show; the films are those of the lessons.
+# One page that opens from disk; the films are those of the lessons.
 slides: $(STAMP)
 	$(BIN)/python docs/course/figures.py
 	$(BIN)/python -m sphinx -W -q -b revealjs docs/course/slides docs/_build/slides

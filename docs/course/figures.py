@@ -1,4 +1,4 @@
-"""The films of lessons 6 to 13, computed by `isoref` and, where the grader speaks, by `isograde`.
+"""The films of the lessons, computed by `isoref` and, where the grader speaks, by `isograde`.
 
     python docs/course/figures.py
 
@@ -26,18 +26,19 @@ from isoref import (
     trilinear_cubes,
     vesta,
 )
-from isoref.cube import CORNERS, EDGES, FACE_CORNERS, inside
+from isoref.cube import CORNERS, EDGES, FACE_CORNERS, REPRESENTATIVES, configuration, inside
 from isoref.cycles import ALL_JOINED, ALL_SEPARATED, Polygon, cycles, segments, triangulate
 from isoref.diconex import diconex
 from isoref.fast import simplicial
-from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, Floats
+from isoref.methods import RULES
 from isoref.simplex_section import haiman_count
 from isoref.surface_intersection import (
     enhanced_marching_cubes,
     intersection_curves,
     surface_intersection,
 )
+from isoref.sweep import sweep
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -71,6 +72,160 @@ def counted(number: int, one: str, many: str = "") -> str:
     ('1 triangle', '2 triangles')
     """
     return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+# --- lessons 1 to 5 -----------------------------------------------------------------------------
+
+
+def line_of_samples() -> Film:
+    """The thermometer of lesson 1, asked for one temperature after the other."""
+    values = [3.0, 5.0, 4.0, 1.0, 2.0]
+    steps = []
+    for isovalue in (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5):
+        places = [
+            i + (low - isovalue) / (low - high)
+            for i, (low, high) in enumerate(pairwise(values))
+            if (low >= isovalue) != (high >= isovalue)
+        ]
+        at = " and ".join(f"{x:.3g}" for x in places)
+        tied = values.count(isovalue)
+        told = f", {counted(tied, 'sample')} tied and so inside" if tied else ""
+        step = Step(
+            f"Isovalue {isovalue:g}: {counted(len(places), 'crossing')}"
+            f"{f', at {at}' if places else ''}{told}."
+        )
+        step.line([(-0.3, isovalue), (4.3, isovalue)], BLUE, 2, dash=1)
+        step.line(list(enumerate(values)), GREY, 2)
+        for i, value in enumerate(values):
+            step.dot((i, value), INSIDE if value >= isovalue else OUTSIDE, 7)
+            step.text((i, value), f"{value:g}")
+        for x in places:
+            step.dot((x, isovalue), RED, 5)
+        steps.append(step)
+    return Film(
+        "A line of five samples, and its crossings while the isovalue rises",
+        steps, (2, 3), (8.5, 6.2), flat=True,
+    )  # fmt: skip
+
+
+def ambiguous_square() -> Film:
+    """One square while the isovalue passes its mean and its saddle; the true contour, finely."""
+    a, b, c, d = 4.0, -1.7, 0.5, -1.7
+    fine = np.linspace(0, 1, 41)
+    s, t = np.meshgrid(fine, fine, indexing="ij")
+    bilinear = a * (1 - s) * (1 - t) + b * s * (1 - t) + c * s * t + d * (1 - s) * t
+    saddle, mean = (a * c - b * d) / (a + c - b - d), (a + b + c + d) / 4
+    corners = {(0, 0): a, (1, 0): b, (1, 1): c, (0, 1): d}
+    steps = []
+    for isovalue in (-0.6, -0.4, -0.2, -0.12, -0.1, 0.0, 0.2, 0.4):
+        joined = saddle >= isovalue
+        step = Step(
+            f"Isovalue {isovalue:g}: the saddle, {saddle:.3f}, is "
+            f"{'inside: joined' if joined else 'outside: separated'}. The mean, {mean:.3f}, is "
+            f"{'inside' if mean >= isovalue else 'outside'}."
+        )
+        for one, other in pairwise([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]):
+            step.line([one, other], GREY, 2)
+        for line in diconex(bilinear, isovalue, mode="mixed").polygons():
+            step.line(line / 40, BLUE, 3)
+        for place, value in corners.items():
+            step.dot(place, INSIDE if value >= isovalue else OUTSIDE, 8)
+            step.text(place, f"{value:g}")
+        step.dot(((a - d) / (a + c - b - d), (a - b) / (a + c - b - d)), RED, 6)
+        steps.append(step)
+    return Film(
+        "An ambiguous square while the isovalue passes its saddle, the red point",
+        steps, (0.5, 0.5), (2.2, 1.4), flat=True,
+    )  # fmt: skip
+
+
+def fifteen() -> Film:
+    """One pattern of each configuration, with its triangles, every ambiguous face separated."""
+    steps = []
+    for name, corners in enumerate(REPRESENTATIVES):
+        signs = sum(1 << c for c in corners)
+        like = sum(configuration(one) == name for one in range(256))
+        polygons = cycles(signs, ALL_SEPARATED)
+        rows = [triangle for polygon in polygons for triangle in triangulate(polygon) or ()]
+        step = Step(
+            f"Configuration {name}, {counted(len(corners), 'inside corner')}: "
+            f"{counted(len(rows), 'triangle')}; {counted(like, 'pattern')} of 256."
+        )
+        cube_into(step, signs)
+        for k, polygon in enumerate(polygons):
+            for triangle in triangulate(polygon) or ():
+                step.face([middle(e) for e in triangle], COLOURS[k % 4])
+        steps.append(step)
+    return Film(
+        "The fifteen configurations of a cell, each with its triangles",
+        steps, (0.5, 0.5, 0.5), (2.0, 1.7),
+    )  # fmt: skip
+
+
+def hole() -> Film:
+    """Two cells by the drawings of 1987, and by three rules that close them."""
+    values = -np.ones((3, 2, 2))
+    values[1, 0, 0] = values[1, 1, 1] = 1.0
+    values[2] = 1.0
+    field = Field.of(values)
+    steps = []
+    for rule, words in (
+        (RULES["lorensen-cline"], "The drawings of 1987"),
+        (RULES["marching-vesta-disconnect-L"], "Inside corners always separated"),
+        (RULES["marching-vesta-connect-L"], "Inside corners always joined"),
+        (asymptotic_decider.RULE, "The asymptotic decider of lesson 5"),
+    ):
+        mesh = sweep(rule, field, 0.0)
+        ends = open_edges(mesh.simplices, mesh.vertices)
+        step = Step(
+            f"{words}: {counted(len(mesh.simplices), 'triangle')}, "
+            f"{counted(len(ends), 'edge')} on the face between the cells with one triangle."
+        )
+        for x in (0, 1):
+            cube_into(step, at=(x, 0, 0))
+        for index in np.ndindex(values.shape):
+            step.dot(index, INSIDE if values[index] > 0 else OUTSIDE)
+        step.mesh(mesh.vertices, mesh.simplices, GOLD, 0.85)
+        for pair in ends:
+            step.line(mesh.vertices[list(pair)], RED, 6)
+        steps.append(step)
+    return Film(
+        "Two cells with an ambiguous face between them, and the hole of 1987 in red",
+        steps, (1, 0.5, 0.5), (2.6, 1.9), (0.5, 0.3),
+    )  # fmt: skip
+
+
+def open_edges(simplices: Array, vertices: Floats) -> list[tuple[int, ...]]:
+    """The edges with one triangle that lie in the plane between the cells."""
+    uses: dict[tuple[int, ...], int] = {}
+    for row in simplices.tolist():
+        for pair in combinations(sorted(row), 2):
+            uses[pair] = uses.get(pair, 0) + 1
+    return [e for e, n in uses.items() if n == 1 and (vertices[list(e), 0] == 1).all()]
+
+
+def a_face_decides() -> Film:
+    """A cell of configuration 3 while one value falls: its saddle, its mean, and its surface."""
+    steps = []
+    for value in (1.2, 1.0, 0.8, 0.6, 0.4, 0.3, 0.2):
+        g = np.array([2.0, -0.8, -0.9, value, -1.0, -1.0, -1.0, -1.0])
+        a, b, c, d = (float(g[corner]) for corner in (0, 1, 3, 2))
+        saddle, mean = (a * c - b * d) / (a + c - b - d), (a + b + c + d) / 4
+        mesh = sweep(asymptotic_decider.RULE, Field.of(g.reshape(2, 2, 2, order="F")), 0.0)
+        step = Step(
+            f"The value at corner 3 is {value:g}: saddle {saddle:.3f}, "
+            f"{'joined' if saddle >= 0 else 'separated'}, "
+            f"{counted(len(mesh.simplices), 'triangle')}. The mean of the face is {mean:.3f}."
+        )
+        cube_into(step, int(((g >= 0) * (1 << np.arange(8))).sum()))
+        step.face(CUBE[list(FACE_CORNERS[4])], GREY, 0.25)
+        step.mesh(mesh.vertices, mesh.simplices, GOLD if saddle >= 0 else BLUE)
+        step.text(CUBE[3], f"{value:g}")
+        steps.append(step)
+    return Film(
+        "A cell whose lower face is ambiguous, while the value at one corner falls",
+        steps, (0.5, 0.5, 0.5), (2.0, 1.7), (0.6, 0.6),
+    )  # fmt: skip
 
 
 # --- lesson 6 -----------------------------------------------------------------------------------
@@ -509,6 +664,11 @@ def through_a_tie() -> Film:
 
 
 FILMS: dict[int, Callable[[], Film]] = {
+    1: line_of_samples,
+    2: ambiguous_square,
+    3: fifteen,
+    4: hole,
+    5: a_face_decides,
     6: polygons_of_a_cell,
     7: all_meetings,
     8: a_tunnel_opens,
