@@ -11,6 +11,7 @@ import isograde
 import numpy as np
 import pytest
 from isograde.adapters.functions import named
+from isograde.formats.reading import VolumeError
 from isograde.model import AdapterError, UnknownName
 from isograde.report import reading
 from isograde.results import Grade
@@ -188,6 +189,26 @@ def test_extract_takes_an_array_or_a_file(tmp_path: Path) -> None:
         isograde.extract(values, 0.0, method="asymtotic-decider")
     with pytest.raises(ValueError, match="its own spacing"):
         isograde.extract(tmp_path / "ball.npy", 0.0, spacing=(1, 1, 1))
+
+
+def test_extract_leaves_absent_samples_out_and_caps_beside_them(tmp_path: Path) -> None:
+    """Of a masked array, of one with NaN, and of a file: the same closed surface."""
+    values = 9.0 - ((np.indices((9, 9, 9)) - 4.0) ** 2).sum(axis=0)
+    mask = np.zeros(values.shape, bool)
+    mask[4, 4, 4:] = True
+    holed = np.where(mask, np.nan, values)
+    np.save(tmp_path / "holed.npy", holed)
+    masked = np.ma.masked_array(values, mask)
+    meshes = [
+        isograde.extract(volume, 0.0, cap=True, absent=True)
+        for volume in (holed, masked, tmp_path / "holed.npy")
+    ]
+    for mesh in meshes:
+        assert np.array_equal(mesh.vertices, meshes[0].vertices)
+        edges = np.sort(mesh.simplices[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    with pytest.raises(VolumeError, match="nan"):
+        isograde.extract(tmp_path / "holed.npy", 0.0)
 
 
 def test_extract_draws_a_label_where_the_scan_stands_and_caps_it(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from isoref.attributes import filled
 from isoref.field import Field
 from isoref.label_cubes import one_label
 from isoref.mesh import Mesh
@@ -24,7 +25,7 @@ from isograde import checking, grading, progress
 from isograde.adapters.functions import Implementation, name_of, named
 from isograde.checking import Checked
 from isograde.commands.console import close_to
-from isograde.commands.volumes import stored_named
+from isograde.commands.volumes import present, stored_named
 from isograde.expectations import Given, expectations
 from isograde.formats.reading import Asked
 from isograde.model import Limits
@@ -156,6 +157,7 @@ def extract(
     spacing: Sequence[float] | None = None,
     origin: Sequence[float] | None = None,
     cap: bool = False,
+    absent: bool = False,
 ) -> Mesh:
     """The isosurface of a volume by one of the reference's methods, where the volume stands.
 
@@ -168,7 +170,8 @@ def extract(
     label : in place of an isovalue: samples that are this number are inside
     method : a key of `isoref.METHODS`; by default "asymptotic-decider", for labels "label-cubes"
     spacing, origin : of an array; a file has its own
-    cap : close the surface on the border of the volume
+    cap : close the surface on the border of the volume, and beside absent samples
+    absent : samples that are not finite, or masked, do not count, and are no error
 
     Raises
     ------
@@ -188,12 +191,16 @@ def extract(
     if method is not None and method not in METHODS:
         raise ValueError(f"no method {method!r}; {close_to(method, METHODS)}")
     if not isinstance(volume, str | PathLike):
-        field = Field.of(volume, spacing, origin)
+        samples, gone = filled(volume) if absent else (volume, None)
+        field = Field.of(samples, spacing, origin)
     elif spacing is not None or origin is not None:
         raise ValueError("a file has its own spacing and origin")
     else:
-        field = stored_named(str(volume), Asked()).field
+        stored = stored_named(str(volume), Asked(absent=absent))
+        field, gone = present(stored) if absent else (stored.field, None)
     if label is not None:
-        return surface(one_label(field, label), 0.0, method or "label-cubes", cap=cap)
-    assert isovalue is not None
-    return surface(field, isovalue, method or "asymptotic-decider", cap=cap)
+        posed, level, usual = one_label(field, label), 0.0, "label-cubes"
+    else:
+        assert isovalue is not None
+        posed, level, usual = field, isovalue, "asymptotic-decider"
+    return surface(posed, level, method or usual, cap=cap, absent=gone)

@@ -63,7 +63,9 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
             stored = stored.in_space(wanted.space)
         for note in stored.notes:
             say(f"[dim]{escape(note)}[/]")
-        field, gone = _present(stored) if wanted.absent else (stored.field, None)
+        field, gone = present(stored) if wanted.absent else (stored.field, None)
+        if gone is not None:
+            say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
         for number, posed, level in _posed(field, wanted):
             name = _named(out, number, wanted)
             mesh = surface(posed, level, wanted.drawn_by, cap=wanted.cap, absent=gone)
@@ -165,10 +167,9 @@ def _check(wanted: Wanted, out: Path) -> None:
         stop(Exit.WRONG_USE, "say which surface: --isovalue VALUE, or --label NUMBER for a label")
 
 
-def _present(stored: Stored) -> tuple[Field, Booleans]:
+def present(stored: Stored) -> tuple[Field, Booleans]:
     """The field with numbers for samples that are not finite, and which these are."""
     samples, gone = filled(stored.values)
-    say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
     return Field.of_affine(samples, stored.affine), gone
 
 
