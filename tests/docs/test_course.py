@@ -18,6 +18,8 @@ from isograde.exercises import EXERCISES
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
 from isoref.methods import RULES
 
+from tests.browser import found
+
 ROOT = Path(__file__).parent.parent.parent
 COURSE = ROOT / "docs" / "course"
 LESSONS = sorted(COURSE.glob("lesson_*.rst"), key=lambda path: int(path.stem[7:]))
@@ -125,6 +127,42 @@ def test_films_are_as_they_are_made_now(figures: ModuleType) -> None:
     for name, film in figures.FILMS.items():
         kept = (COURSE / "made" / f"film_{name}.html").read_text(encoding="utf-8")
         assert film().fragment() == kept, f"film {name}: run python docs/course/figures.py"
+
+
+@pytest.mark.slow
+def test_every_step_of_every_film_is_drawn_and_what_stands_in_space_turns(tmp_path: Path) -> None:
+    """In a real browser: nothing raises, all that is drawn is in the picture, keys turn it."""
+    films = sorted(COURSE.glob("made/film_*.html"))
+    assert len(films) == len(LESSONS)
+    page = "".join(film.read_text(encoding="utf-8") for film in films)
+    script = """
+      const numbers = (svg) => [...svg.children].flatMap((one) =>
+        ["points", "x1", "y1", "x2", "y2", "cx", "cy", "x", "y"].flatMap((name) =>
+          (one.getAttribute(name) ?? "").split(/[ ,]/).filter(Boolean).map(Number)));
+      return [...document.querySelectorAll("figure.film")].map((figure) => {
+        const [svg, slider] = [figure.querySelector("svg"), figure.querySelector("input")];
+        const steps = [];
+        for (let n = 0; n <= Number(slider.max); n++) {
+          slider.value = n;
+          slider.dispatchEvent(new Event("input"));
+          const all = numbers(svg);
+          steps.push([all.length, Math.min(...all), Math.max(...all),
+                      figure.querySelector("figcaption").textContent]);
+        }
+        const before = svg.innerHTML;
+        svg.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+        return { steps, turned: svg.innerHTML !== before, inSpace: svg.tabIndex === 0 };
+      });
+    """
+    told = found(f"<!doctype html><body>{page}</body>", script, tmp_path)
+    assert len(told) == len(films)
+    for name, film in zip(films, told, strict=True):
+        assert film["turned"] == film["inSpace"], name
+        assert len({says for *_, says in film["steps"]}) == len(film["steps"]) > 3, name
+        for count, least, most, says in film["steps"]:
+            assert count > 0, says
+            assert least >= -1, (name, says)
+            assert most <= 641, (name, says)
 
 
 def test_a_polygon_of_seven_sides_has_a_fan_without_a_chord_on_a_face() -> None:

@@ -222,3 +222,6 @@ def test_the_command_gives_a_file_and_judges_it(
     assert "Mended" in right.output
     assert run.invoke(app, ["exercise", "99"]).exit_code == 2
     assert run.invoke(app, ["exercise", "1", "nowhere.py"]).exit_code == 2
+    folder = run.invoke(app, ["exercise", "1", str(tmp_path)])
+    assert folder.exit_code == 2
+    assert "isograde submissions" in folder.output

@@ -41,6 +41,9 @@ def _given(chosen: Exercise) -> None:
 
 def _judge(chosen: Exercise, path: Path) -> None:
     """What is still wrong is told in the words of the lesson."""
+    if path.is_dir():
+        told = f"isograde submissions {path} -e {chosen.number} judges what is in it"
+        stop(Exit.WRONG_USE, f"{path} is a folder; {told}")
     if not path.is_file():
         stop(Exit.WRONG_USE, f"there is no file {path}")
     try:
