@@ -266,3 +266,14 @@ def test_the_six_surfaces_are_proved_in_the_report(module: Callable[[str], Any])
     lines = [x for x in module("reproduce").proofs().splitlines() if x.startswith("| marching")]
     assert len(lines) == 6
     assert all(line.endswith("| proved |") for line in lines)
+
+
+def test_the_lettered_figures_show_what_they_say(module: Callable[[str], Any]) -> None:
+    """Figs. 1 and 15 to 17: eleven pixels; the paper's numbers of sites, centres and junctures."""
+    lettered = module("vesta_lettered")
+    assert lettered.IMAGE.sum() == 11
+    starts = Counter(start for start, _ in lettered._vectors(lettered.IMAGE))
+    assert max(starts.values()) == 2  # a point of ambiguity has two vectors in and two out
+    paths = lettered.cell_paths(lettered.signs_of(7))
+    assert {lettered.paper_number(lettered.CENTRES[e]) for e in paths} == {6, 9, 11}
+    assert [len(c) for c in lettered.cycles(lettered.signs_of(0, 1), 0)] == [4]
