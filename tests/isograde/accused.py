@@ -230,3 +230,18 @@ def half_a_curve(values: Any, isovalues: Any, spacing: Any) -> Any:
     vertices, rows = kuhn(values, isovalues, spacing)
     places = vertices[rows].mean(axis=1)
     return vertices, rows[places[:, 1] < places[:, 1].mean()]
+
+
+def overflowing(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Vertices are infinite where a square of a sample is."""
+    vertices, faces = accurate(values, isovalue, spacing)
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.square(np.asarray(values, float)).max()
+        return vertices + (0.0 * size if len(vertices) else 0.0), faces
+
+
+def torn_at_extremes(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Every third triangle is missing where a sample is large."""
+    vertices, faces = accurate(values, isovalue, spacing)
+    large = bool(np.abs(np.asarray(values, float)).max() > 1e200)
+    return vertices, faces[np.arange(len(faces)) % 3 > 0] if large else faces

@@ -159,6 +159,19 @@ def soup_of_cells(*asked: Any) -> Any:
 soup_of_cells.declaration = {"mesh": {"soup": 1e-6}}  # type: ignore[attr-defined]
 
 
+def raising_on_small_fields(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Fields of three samples along each axis are refused with an error."""
+    if values.shape == (3, 3, 3):
+        raise ValueError("odd shape")
+    return correct(values, isovalue, spacing)
+
+
+def hanging(*asked: Any) -> Any:
+    """It never comes back."""
+    while True:
+        time.sleep(1)
+
+
 def buffered(*asked: Any) -> Any:
     """The vertices of every answer stand in one array, which the next call writes over."""
     vertices, faces = correct(*asked)

@@ -63,6 +63,25 @@ def test_a_mistake_is_named_with_what_to_do(name: str, words: str) -> None:
     assert any(words in sentence for sentence in bad), bad
 
 
+def test_an_error_on_one_field_is_told_and_does_not_end_the_check() -> None:
+    """Issue 12: the next thing is tried."""
+    checked = check(f"python:{MISTAKEN}:raising_on_small_fields")
+    told = [said for verdict, said in checked.advice if verdict is Verdict.ERROR]
+    assert len(told) == 1
+    assert "it raised on a field of 3 x 3 x 3 float64 samples, and on" in told[0]
+    assert "odd shape" in told[0]
+    assert not checked.right
+    assert "claims of levels 0 to 2 hold" in checked.advice[-1][1]
+
+
+def test_who_hangs_is_asked_once_and_has_nothing_to_paste() -> None:
+    """--timeout: no other field is tried, and no declaration was measured."""
+    checked = check(f"python:{MISTAKEN}:hanging", timeout=1.0)
+    assert [verdict for verdict, _ in checked.advice] == [Verdict.PASS, Verdict.TIMEOUT]
+    assert "no answer within 1 s" in checked.advice[-1][1]
+    assert checked.paste == ""
+
+
 def test_vertices_that_are_shared_within_cells_alone_are_a_soup() -> None:
     """The npm package isosurface: it was told "open inside", though every claim holds."""
     told = " ".join(said for _, said in check(f"python:{MISTAKEN}:soup_of_cells").advice)

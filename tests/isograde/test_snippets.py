@@ -43,7 +43,7 @@ PAIRS = ("curves/noise-small", "curves/noise")
 # Claims of which there are no lines: conventions, of which the page says so in a sentence.
 WITHOUT = {"robustness.nan", "robustness.bad_input"}
 # Those that take more than a few lines to show, of which the page says that.
-LONGER = {"robustness.elsewhere", "range.extremes", "topology.tie_side"}
+LONGER = {"robustness.elsewhere", "topology.tie_side"}
 
 
 @pytest.fixture(autouse=True)
@@ -273,6 +273,12 @@ def test_a_range_is_shown_where_it_ends(name: str, claim: str) -> None:
     check(of(name, claim, ("noise/white-5x6x7",)), name, "WHOLE")
 
 
+@pytest.mark.parametrize("name", ["overflowing", "torn_at_extremes"])
+def test_samples_of_extremes_are_shown_by_themselves(name: str) -> None:
+    """The mesh is not finite, or open, where samples of 1e300 stand among others."""
+    check(of(name, "range.extremes", ("noise/white-5x6x7",)), name, "WHOLE")
+
+
 CALLS = {
     "buffered": "calls.buffer",
     "with_globals": "calls.threads",
@@ -344,6 +350,7 @@ def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> No
         "cells.perfect",
         "range.scale",
         "range.shift",
+        "range.extremes",
         "range.digits",
         *ORDERS,
         *CALLS.values(),

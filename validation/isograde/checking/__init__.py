@@ -79,11 +79,12 @@ def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
 def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) -> None:
     """Each of the smallest declared kinds is tried; `checked` has the declaration to paste."""
     kinds = sorted((Kind(*kind) for kind in declaration.limits.kinds), key=_size)
-    told, nowhere = declaration, False
+    told, nowhere, answered = declaration, False, False
     for kind in kinds[:KINDS_TRIED]:
         trial = Try(adapter, declaration, kind)
         checked.add(trial.calls(), f"{kind}: the calls")
         if trial.answered:
+            answered = True
             checked.add(trial.cells(), f"{kind}: single cells")
             told = trial.told(told)
             nowhere = nowhere or trial.misplaced
@@ -95,8 +96,8 @@ def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) 
     if len(kinds) > KINDS_TRIED:
         left = len(kinds) - KINDS_TRIED
         checked.advice.append((Verdict.SKIP, f"{left} more kinds that it declares were not tried"))
-    # Where a surface is not in its place, no declaration helps.
-    checked.paste = "" if nowhere else paste(told)
+    # Where a surface is not in its place, or there is none, no declaration helps.
+    checked.paste = paste(told) if answered and not nowhere else ""
 
 
 def _size(kind: Kind) -> tuple[bool, int, int]:

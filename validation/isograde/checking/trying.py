@@ -62,11 +62,16 @@ MEND = {
 }
 
 
+# Ways to end that are told wherever there is a surface; what is declined is told by its reason.
+UNANSWERED = (Status.RAISED, Status.CRASH, Status.TIMEOUT, Status.MEMORY)
+
+
 @dataclass
 class Try:
     """One kind of answer, tried.
 
     answered : a field was answered with arrays that can be looked at
+    asked, unanswered : fields that were asked, and those with a surface that ended otherwise
     misplaced : the surface is not where it should be, in no order of the axes, scaled or not
     within : the limits under which it was, as they were found out
     steady : asked twice, it gave the same arrays
@@ -83,6 +88,8 @@ class Try:
     rows_right: bool = False
     rows_wrong: bool = False
     within: Within = fresh(default_factory=Within)
+    asked: int = 0
+    unanswered: list[tuple[Field, Outcome]] = fresh(default_factory=list)
     plain: Outcome | None = None
     measured: Measured | None = None
     words: dict[str, Any] = fresh(default_factory=dict)
@@ -91,7 +98,12 @@ class Try:
         """The outcome of one call within the limits, its answer as it came."""
         if self.within.whole and not np.isfinite(field.values).all():
             return Outcome(Status.DECLINED, detail=f"no {self.within.type} is NaN")
-        return self.adapter.answer(Request("check", "plain", *self.within.pose(field, isovalues)))
+        posed, levels = self.within.pose(field, isovalues)
+        outcome = self.adapter.answer(Request("check", "plain", posed, levels))
+        self.asked += 1
+        if outcome.status in UNANSWERED and _has_surface(posed, levels):
+            self.unanswered.append((posed, outcome))
+        return outcome
 
     def calls(self) -> Iterator[Advice]:
         """What a handful of calls shows, the plain one first."""
@@ -110,12 +122,29 @@ class Try:
         twice = list(doubled(plain, self.kind))
         yield from ((Verdict.FAIL, told) for told in twice)
         self.rows_wrong = bool(twice)
+        self.unanswered.clear()
         yield from self._conventions(plain)
+        yield from self._unanswered()
         if self.steady:
             yield from self._presentations()
         else:
             told = f"{self.kind}: layouts and types were not compared: no two answers are alike"
             yield Verdict.SKIP, told
+
+    def _unanswered(self) -> Iterator[Advice]:
+        """The fields with a surface that ended in an error, though others did not."""
+        if not self.unanswered:
+            return
+        field, outcome = self.unanswered[0]
+        verdict, told = ENDED[outcome.status]
+        shape = " x ".join(map(str, field.shape))
+        more = len(self.unanswered) - 1
+        others = f", and on {more} more of the {self.asked} fields asked" if more else ""
+        yield (
+            verdict,
+            f"{told} on a field of {shape} {field.values.dtype} samples{others}: "
+            + (outcome.detail),
+        )
 
     def _plain(self) -> Generator[Advice, None, Outcome | None]:
         """Yields why plain fields are not answered; returns the first answer that came, or None."""
@@ -127,7 +156,8 @@ class Try:
         shape = " x ".join(map(str, field.shape))
         said = told.format(n=self.kind.n, c=self.kind.k + 1)
         told = f"{self.kind}: {said}, on a plain field of {shape} float64 samples"
-        for limits in TRIED:
+        # Who hangs, or fills the memory, does so on the next field too.
+        for limits in () if outcome.status in (Status.TIMEOUT, Status.MEMORY) else TRIED:
             self.within = Within(limits)
             again = self.ask(field, levels(self.kind))
             if again.status is Status.OK:
@@ -349,6 +379,15 @@ def presentations(
             scaled,
             plain,
         )
+
+
+def _has_surface(field: Field, isovalues: tuple[float, ...]) -> bool:
+    """Whether some samples of each component are below its isovalue, and some above."""
+    parts = field.values if len(isovalues) > 1 else field.values[None]
+    return all(
+        bool(np.isfinite(part).all() and part.min() < level < part.max())
+        for part, level in zip(parts, isovalues, strict=True)
+    )
 
 
 def _with(field: Field, values: Array) -> Field:

@@ -35,6 +35,7 @@ from isograde.report.shows import (
     CROSSING,
     CROWDED,
     DIFFERS,
+    FINITE,
     IN_CELLS,
     OPEN,
     SCAN,
@@ -303,14 +304,18 @@ def _program(report: Report, summary: Summary) -> str:
 ENDS = (Verdict.CRASH.value, Verdict.TIMEOUT.value)
 
 
+# Claims on a changed field, which ask nothing of the plain one.
+BY_ITSELF = ("cells.perfect", "range.extremes")
+
+
 def _of_samples(report: Report, summary: Summary, call: str) -> str:
     """The program that prints the samples, extracts and looks for what is wrong."""
     record = report.evidence.get(summary.id)
     if record is None:
         raise NoLinesError("The case was not kept; the command above makes it again.")
     posed = record.get("posed", {})
-    if summary.id == "cells.perfect" and posed.get("values"):
-        # The levelled field is judged by itself.
+    if summary.id in BY_ITSELF and posed.get("values"):
+        # The changed field is judged by itself.
         record = {**posed, "finding": record["finding"], "kind": record["kind"]}
         posed = {}
     _check_size(record, posed)
@@ -620,6 +625,9 @@ def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
     text = SHOWS.get(claim)
     if claim == "cells.perfect":
         text = PERFECT.format(margin=MARGIN).replace("{", "{{").replace("}", "}}") + CROSSING
+    elif claim == "range.extremes":
+        told = record["finding"]["detail"]
+        text = FINITE if "no mesh" in told else OPEN if "one simplex" in told else SIDES
     elif claim == "topology.manifold" and "vertices" in numbers:
         text = SHEETS
     elif claim == "topology.raw":
