@@ -183,8 +183,9 @@ EXERCISES = {
                 "how many polygons are there, and how many come out?",
                 ORIENTED: f"{SAME_WAY}.",
                 SIDES: "Between an inside and an outside sample no polygon passes.",
-                MANIFOLD: "An edge has four triangles. It is a chord, and it lies on the face that "
-                "two cells share, where each of them cut a polygon along it.",
+                MANIFOLD: "Two sheets meet where they should not: an edge has four triangles, or a "
+                "vertex more than one fan. Think of a chord that lies on the face that two cells "
+                "share: both may cut a polygon along it.",
                 CROSSING: MISPLACED,
             },
             fields.noise,
