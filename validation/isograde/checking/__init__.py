@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from isograde.adapters import open_adapter
 from isograde.adapters.directory import DirectoryAdapter
 from isograde.adapters.process import ProcessAdapter
-from isograde.checking.checked import Advice, Checked, paste
+from isograde.checking.checked import Advice, Checked, paste, place_of
 from isograde.checking.small import small_cases
 from isograde.checking.trying import Try
 from isograde.declaration import Declaration
@@ -48,7 +48,7 @@ def check(spec: str, timeout: float = 10.0) -> Checked:
             checked.add(_files(adapter), "the folder")
         else:
             assert isinstance(adapter, ProcessAdapter), "every other adapter leads to a process"
-            _kinds(checked, adapter, declaration)
+            _kinds(checked, adapter, declaration, spec)
     finally:
         adapter.close()
     return checked
@@ -76,7 +76,7 @@ def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
         yield Verdict.FAIL, f"{name}: {reason}"
 
 
-def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) -> None:
+def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration, spec: str) -> None:
     """Each of the smallest declared kinds is tried; `checked` has the declaration to paste."""
     kinds = sorted((Kind(*kind) for kind in declaration.limits.kinds), key=_size)
     told, nowhere, answered = declaration, False, False
@@ -97,7 +97,8 @@ def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) 
         left = len(kinds) - KINDS_TRIED
         checked.advice.append((Verdict.SKIP, f"{left} more kinds that it declares were not tried"))
     # Where a surface is not in its place, or there is none, no declaration helps.
-    checked.paste = paste(told) if answered and not nowhere else ""
+    checked.paste = paste(told, spec) if answered and not nowhere else ""
+    checked.where = place_of(spec)
 
 
 def _size(kind: Kind) -> tuple[bool, int, int]:

@@ -25,6 +25,7 @@ class Checked:
     """What was found: verdicts with a sentence each, and the declaration to paste.
 
     started : the implementation did
+    where : where the declaration goes, and what tells more
     known : there is one of this name
     python : the implementation is a function in Python, and its author is advised in Python
     """
@@ -32,6 +33,7 @@ class Checked:
     started: bool = True
     advice: list[Advice] = fresh(default_factory=list)
     paste: str = ""
+    where: str = ""
     known: bool = True
     python: bool = True
 
@@ -48,7 +50,15 @@ class Checked:
     def __str__(self) -> str:
         """A line a finding, then the declaration to paste."""
         lines = [f"{word:>11}  {said}" for word, said in self.told]
-        return "\n".join([*lines, *([self.paste] if self.paste else [])])
+        return "\n".join([*lines, *self.to_paste])
+
+    @property
+    def to_paste(self) -> list[str]:
+        """Where the declaration goes, and the declaration as it is written there."""
+        if self.paste == "{}":
+            return ["Nothing has to be declared."]
+        shown = f"declaration = {self.paste}" if "module" in self.where else self.paste
+        return [self.where, shown] if self.paste else []
 
     def _repr_html_(self) -> str:
         """The findings as a table, then the declaration to paste."""
@@ -56,8 +66,8 @@ class Checked:
             f'<tr><td>{word}</td><td style="text-align:left">{escape(said)}</td></tr>'
             for word, said in self.told
         )
-        pasted = f"<p>The declaration to paste:</p><pre>{escape(self.paste)}</pre>"
-        return f"<table>{rows}</table>{pasted if self.paste else ''}"
+        pasted = "".join(f"<pre>{escape(line)}</pre>" for line in self.to_paste)
+        return f"<table>{rows}</table>{pasted}"
 
     def add(self, found: Iterable[Advice], what: str) -> None:
         """Take in advice; what is raised on the way is told, and ends nothing."""
@@ -78,11 +88,31 @@ def in_words(sentence: str, *, python: bool) -> str:
     return ONLY_PYTHON.sub(lambda found: found[1] if python else "", sentence)
 
 
-def paste(declaration: Declaration) -> str:
-    """The declaration as JSON, without what goes without saying.
+# Where a declaration goes, by how an implementation is named.
+PLACES = {
+    "python": "put it into the module of the function (isograde explain python)",
+    "exec": 'answer "start" with it (isograde explain exec)',
+    "dir": "put it beside the meshes (isograde explain dir)",
+}
+
+
+def place_of(spec: str) -> str:
+    """Where the declaration to paste goes.
+
+    >>> place_of("exec:./mine")
+    'The declaration to paste: answer "start" with it (isograde explain exec):'
+    """
+    known = PLACES.get(spec.split(":")[0], "isograde explain declaration tells of its words")
+    return f"The declaration to paste: {known}:"
+
+
+def paste(declaration: Declaration, spec: str = "") -> str:
+    """The declaration as JSON, without what goes without saying, as a name that is `spec` does.
 
     >>> paste(Declaration("mine", vertices="cells", level=1))
     '{"name": "mine", "level": 1, "vertices": "cells"}'
+    >>> paste(Declaration("python:mine:f", level=1), "python:mine:f")
+    '{"level": 1}'
     """
     said, usual = declaration_json(declaration), declaration_json(Declaration("", version=""))
     for name in ("conventions", "limits"):
@@ -91,4 +121,6 @@ def paste(declaration: Declaration) -> str:
     if "domain" in kept:
         ends = [one["end"] if not one["inset"] else one for one in kept["domain"]]
         kept["domain"] = ends[0] if len(ends) == 1 else ends
+    if kept.get("name") == spec:
+        del kept["name"]
     return json.dumps(kept)

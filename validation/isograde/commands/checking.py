@@ -16,8 +16,8 @@ def check(spec: str, timeout: float) -> None:
     for word, sentence in checked.told:
         colour = {"right": "green", "note": "dim"}.get(word, "red")
         say(f"[{colour}]{word:>11}[/]  {escape(sentence)}")
-    if checked.paste:
-        say(f"\nThe declaration to paste (isograde explain declaration):\n{escape(checked.paste)}")
+    if checked.to_paste:
+        say("\n" + escape("\n".join(checked.to_paste)))
     if not checked.known:
         raise typer.Exit(Exit.WRONG_USE)
     if not checked.started:
