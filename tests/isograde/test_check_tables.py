@@ -84,7 +84,7 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
         ("moody", "asked twice, it gives two answers"),
         ("shuffled", "asked twice, it gives two answers"),
         ("padded", "as if the field were padded: subtract spacing"),
-        ("swapped_axes", "another order of the axes: vertices[:, [1, 0, 2]]"),
+        ("swapped_axes", "axes are exchanged: take vertices[:, [1, 0, 2]]"),
         ("stretched", "scaled by n / (n - 1): index * spacing"),
     ],
 )

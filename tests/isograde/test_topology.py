@@ -265,8 +265,8 @@ def test_a_net_whose_quads_end_with_its_domain_is_oriented(seed: int) -> None:
     assert judged("oriented", one).verdict is not Verdict.FAIL
     if min(shape) < 5:
         return
-    in_inner_cells = ((mesh.vertices > 1) & (mesh.vertices < np.subtract(shape, 2))).all(axis=1)
-    inner = np.flatnonzero(in_inner_cells[mesh.simplices].all(axis=1))[0]
+    inside = np.logical_and(mesh.vertices > 1, mesh.vertices < np.subtract(shape, 2)).all(axis=1)
+    inner = np.flatnonzero(np.take(inside, mesh.simplices).all(axis=1))[0]
     turned = mesh.simplices.copy()
     turned[inner] = turned[inner, ::-1]
     found = judged("oriented", trial(field, mesh.vertices, turned, declared))

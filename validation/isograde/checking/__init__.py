@@ -76,7 +76,9 @@ def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
         yield Verdict.FAIL, f"{name}: {reason}"
 
 
-def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration, spec: str) -> None:
+def _kinds(
+    checked: Checked, adapter: ProcessAdapter, declaration: Declaration, spec: str = ""
+) -> None:
     """Each of the smallest declared kinds is tried; `checked` has the declaration to paste."""
     kinds = sorted((Kind(*kind) for kind in declaration.limits.kinds), key=_size)
     told, nowhere, answered = declaration, False, False
