@@ -15,6 +15,7 @@ from urllib.parse import parse_qsl
 
 import pytest
 from isograde.exercises import EXERCISES
+from isoref.cube import REPRESENTATIVES, ROTATIONS, moved_signs
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
 from isoref.methods import RULES
 
@@ -163,6 +164,23 @@ def test_every_step_of_every_film_is_drawn_and_what_stands_in_space_turns(tmp_pa
             assert count > 0, says
             assert least >= -1, (name, says)
             assert most <= 641, (name, says)
+
+
+def test_numbers_that_the_first_lessons_say_in_words_are_right() -> None:
+    """24 rotations, 15 configurations, 23 where inside and outside differ; and two examples."""
+    assert len(set(ROTATIONS)) == 24
+    assert len(REPRESENTATIVES) == 15
+    assert len({min(moved_signs(s, move) for move in ROTATIONS) for s in range(256)}) == 23
+    text = {number(one): one.read_text(encoding="utf-8") for one in LESSONS}
+    for n, said in ((3, "24 rotations"), (3, "fifteen *configurations*"), (4, "twenty-three")):
+        assert said in text[n]
+    # Lesson 1: between 3 and 5, 3.5 is a quarter of the way.
+    assert "0.25" in text[1]
+    assert (3.5 - 3) / (5 - 3) == 0.25
+    # Lesson 2: the mean is inside, and the saddle is not.
+    a, b, c, d = 4, -1.7, 0.5, -1.7
+    assert "*a* = 4, *c* = 0.5 and\n*b* = *d* = -1.7" in text[2]
+    assert (a + b + c + d) / 4 > 0 > (a * c - b * d) / (a + c - b - d)
 
 
 def test_a_polygon_of_seven_sides_has_a_fan_without_a_chord_on_a_face() -> None:

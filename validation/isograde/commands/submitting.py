@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.markup import escape
 
-from isograde.commands.console import Exit, console, say, stop
+from isograde.commands.console import Exit, console, say, stop, warn_of_foreign
 from isograde.exercises import EXERCISES
 from isograde.exercises.submissions import (
     NoSubmissionsError,
@@ -31,6 +31,7 @@ def submissions(
         found = collected(folder, numbers)
     except NoSubmissionsError as error:
         stop(Exit.WRONG_USE, str(error))
+    warn_of_foreign("python:")
     table: list[Row] = []
     for row in rows(found, seconds, jobs):
         table.append(row)
