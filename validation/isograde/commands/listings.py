@@ -5,9 +5,9 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from functools import cache
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -62,17 +62,20 @@ def implementations() -> None:
     """Print a row a ready-made name."""
     table = _table("implementation", "package", "kinds", "promises", "notes", whole=2)
     for name, distribution, modules, kinds, level, notes in read()["implementations"]:
-        package = f"{distribution} {_installed(distribution, modules)}"
+        package = f"{distribution} {_installed(distribution, tuple(modules))}"
         table.add_row(name, package, kinds, level, escape(notes))
     console.print(table)
 
 
-def _installed(distribution: str, modules: Sequence[str]) -> str:
+@cache
+def _installed(distribution: str, modules: tuple[str, ...]) -> str:
     """The installed version of a package, "not installed", or "source" where it is used as it is.
 
-    >>> _installed("no-such-thing", ["no_such_thing.inner"])
+    >>> _installed("no-such-thing", ("no_such_thing.inner",))
     'not installed'
     """
+    from importlib.metadata import PackageNotFoundError, version  # Here: no other list needs it.
+
     try:
         return version(distribution)
     except PackageNotFoundError:
