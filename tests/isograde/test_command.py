@@ -222,7 +222,8 @@ def test_what_is_not_installed_is_said_to_be(monkeypatch: pytest.MonkeyPatch) ->
     def absent(name: str) -> str:
         raise metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(listings, "version", absent)
+    monkeypatch.setattr(metadata, "version", absent)
+    monkeypatch.setattr(listings, "_installed", listings._installed.__wrapped__)
     monkeypatch.setattr(listings, "find_spec", lambda name: None if name == "mcubes" else object())
     rows = run("list", "implementations").output.splitlines()
     assert "not installed" in next(row for row in rows if row.startswith("pymcubes"))
