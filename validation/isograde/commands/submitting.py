@@ -17,6 +17,7 @@ from isograde.exercises.submissions import (
     collected,
     rows,
 )
+from isograde.model import AdapterError
 
 WRITERS = {".csv": as_csv, ".md": as_markdown}
 COLOURS = {"mended": "green", "still wrong": "red", "no answer": "red", "not handed in": "dim"}
@@ -33,9 +34,12 @@ def submissions(
         stop(Exit.WRONG_USE, str(error))
     warn_of_foreign("python:")
     table: list[Row] = []
-    for row in rows(found, seconds, jobs):
-        table.append(row)
-        _show(row)
+    try:
+        for row in rows(found, seconds, jobs):
+            table.append(row)
+            _show(row)
+    except AdapterError as error:
+        stop(Exit.NOT_STARTED, str(error))
     mended = sum(row.result == "mended" for row in table)
     say(f"{mended} of {len(table)} mended.")
     for path in out:
