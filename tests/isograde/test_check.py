@@ -321,3 +321,16 @@ def test_advice_to_a_program_is_in_no_particular_language(tmp_path: Path) -> Non
     assert "not integers" in said
     for word in ("astype", "reshape", "np.", "[:,", "<"):
         assert word not in said
+
+
+def test_nan_is_a_note_and_a_function_is_told_where_its_declaration_goes() -> None:
+    """Issue 11: NaN is a convention, and held against nobody; a new user's first "wrong" was it."""
+    checked = check(f"python:{MISTAKEN}:ignoring_nan")
+    assert checked.right
+    notes = [said for verdict, said in checked.advice if verdict is Verdict.SKIP]
+    assert any("NaN" in said for said in notes)
+    assert checked.to_paste == [
+        "The declaration to paste: put it into the module of the function (isograde explain python):",
+        'declaration = {"conventions": {"nan": "answers"}}',
+    ]
+    assert check(f"python:{MISTAKEN}:correct").to_paste == ["Nothing has to be declared."]

@@ -578,3 +578,20 @@ def test_the_terminal_says_the_headline_and_what_is_right(tmp_path: Path) -> Non
     assert "topology.closed: the cells [0, 0, 0] and [1, 0, 0] disagree on the face" in said
     assert "(4 fields; so fails topology.manifold); smallest given/3x2x2/" in said
     assert ", 12 samples" in said
+
+
+def test_explain_tells_what_there_is_and_what_a_family_of_cases_is_for() -> None:
+    """A new user asked for `pairs`, which the README names, and was told of `dir`."""
+    every = run("explain")
+    assert every.exit_code == 0
+    assert "protocol" in every.output
+    assert "nielson-hamann" in every.output
+    pairs = run("explain", "pairs/*")
+    assert "512 cases, 4,096 with --full" in pairs.output
+    assert "Two cells side by side" in pairs.output
+    both = run("explain", "bodies")
+    assert "bodies.pieces" in both.output
+    assert "bodies/*: " in both.output
+    nothing = run("explain", "xyzzy")
+    assert nothing.exit_code == 2
+    assert "nothing is called 'xyzzy'; `isograde explain` says what is" in nothing.output

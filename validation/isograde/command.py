@@ -287,19 +287,22 @@ def frequencies_(
 
 @app.command()
 def explain(
-    claim: Annotated[
-        str,
+    name: Annotated[
+        str | None,
         typer.Argument(
-            metavar="CLAIM",
-            help="An id, a family of them, or a way in: python, function, exec, protocol, "
-            "dir, declaration.",
+            metavar="NAME",
+            help="A claim, a family of claims or of cases, or a way in: python, function, exec, "
+            "protocol, dir, declaration. Without one, what there is.",
         ),
-    ],
+    ] = None,
 ) -> None:
-    """Say what a claim asks and where it comes from, or how to write an implementation."""
+    """Say what a claim or a family of cases is, or how to write an implementation."""
     from isograde.commands import listings
 
-    listings.explain(claim)
+    if name is None:
+        listings.explained()
+    else:
+        listings.explain(name)
 
 
 # A group of commands without parameters, since what checks parameters takes long to import.

@@ -54,9 +54,9 @@ def in_notebook() -> bool:
 
 
 def _bad(tally: Tally) -> str:
-    """How many findings are bad, in words."""
+    """How many findings there are, of what is promised and of what is not, in words."""
     bad = sum(tally.verdicts[verdict.value] for verdict in BAD)
-    return f"{bad} bad" if bad else ""
+    return f"{bad:,} finding{'s' if bad != 1 else ''}" if bad else ""
 
 
 def _on_terminal(title: str, shown: bool) -> Iterator[Watch]:

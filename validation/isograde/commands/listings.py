@@ -102,8 +102,35 @@ GUIDES = {
 }
 
 
+def explained() -> None:
+    """Print what can be explained: ways in, families of claims, families of cases."""
+    from isograde.cases import FAMILIES
+    from isograde.claims import CLAIMS
+
+    told = {
+        "How to write an implementation": [*GUIDES, "protocol"],
+        "Families of claims": dict.fromkeys(one.split(".")[0] for one in CLAIMS),
+        "Families of cases": FAMILIES,
+        "One claim": ["topology.closed, and so on: `isograde list claims`"],
+    }
+    for what, names in told.items():
+        console.print(f"[bold]{what}[/]\n  {', '.join(names)}")
+
+
+def _family(name: str) -> None:
+    """Print what a family of cases is for, and how many cases it has."""
+    from isograde.cases import FAMILIES, all_cases
+
+    own = [case for case in all_cases(0).values() if case.id.startswith(f"{name}/")]
+    usual = sum("full" not in case.tags for case in own)
+    text = inspect.getdoc(FAMILIES[name]) or ""
+    console.print(f"[bold]{name}/*[/]: {usual:,} cases, {len(own):,} with --full")
+    console.print(text, markup=False, soft_wrap=True)
+    console.print(f"\nisograde grade IMPLEMENTATION --only '{name}/*'", markup=False)
+
+
 def explain(name: str) -> None:
-    """The claim of this id, or every claim of this family, or the guide to an adapter, printed."""
+    """What goes by this name is printed: a claim, a family of claims or cases, a guide."""
     if name == "protocol":
         from isograde.adapters.protocol import protocol_text
 
@@ -113,6 +140,7 @@ def explain(name: str) -> None:
         console.print(inspect.getdoc(import_module(GUIDES[name])), markup=False, soft_wrap=True)
         return
     from isograde import errata
+    from isograde.cases import FAMILIES
     from isograde.claims import CLAIMS
 
     if (verdict := errata.parsed(name)) is not None:
@@ -124,12 +152,16 @@ def explain(name: str) -> None:
         ]
         console.print("\n".join(told or ["no erratum is known of it"]), markup=False)
     found = [c for known, c in CLAIMS.items() if name in (known, known.split(".")[0])]
-    if not found:
-        close = difflib.get_close_matches(name, [*CLAIMS, *GUIDES, "protocol"], n=3, cutoff=0.4)
-        hint = f"did you mean {', '.join(close)}?" if close else "see `isograde list claims`"
-        stop(Exit.WRONG_USE, f"no claim {name!r}; {hint}")
+    cases = name.partition("/")[0]
+    if not found and cases not in FAMILIES:
+        known = [*CLAIMS, *(one.split(".")[0] for one in CLAIMS), *GUIDES, "protocol", *FAMILIES]
+        close = difflib.get_close_matches(name, dict.fromkeys(known), n=3, cutoff=0.6)
+        hint = f"did you mean {', '.join(close)}? " if close else ""
+        stop(Exit.WRONG_USE, f"nothing is called {name!r}; {hint}`isograde explain` says what is")
     for one in found:
         _explain(one)
+    if cases in FAMILIES:
+        _family(cases)
 
 
 def _explain(claim: Claim) -> None:

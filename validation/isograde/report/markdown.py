@@ -23,9 +23,9 @@ def markdown(report: Report) -> str:
     said = " ".join(filter(None, [words.verdict(report), words.right(report), *_choices(report)]))
     parts = [f"# {title}", f"**{plain(headline(report))}**", plain(said), _ladder(report)]
     found = causes(report)
-    if found:
-        parts.append("## What failed")
-        parts += [_cause(report, cause) for cause in found]
+    for held in (True, False):
+        told = [_cause(report, cause) for cause in found if cause.held is held]
+        parts += [f"## {words.part(held)}", *told] if told else []
     parts += filter(None, [words.ranges(report)])
     if report.measured:
         parts.append(_measured(report))

@@ -111,6 +111,11 @@ def where(cause: Cause) -> str:
     return ", ".join(said) + (f"; so fails {listed(whole, 3)}" if whole else "")
 
 
+def part(held: bool) -> str:
+    """The heading above findings that are held against an implementation, or above the others."""
+    return "Promises that are broken" if held else "Beyond what it promises"
+
+
 def elsewhere(cause: Cause) -> str:
     """On how many of its cases the root of a cause follows from another claim; or nothing."""
     said = [
