@@ -89,6 +89,10 @@ class Package:
         does = self.said["methods"][method].get("does", "")
         return {"name": method, "version": self.said["version"], "notes": does, **said}
 
+    def laid(self) -> None:
+        """What the package is built from stands where it is built."""
+        shutil.copytree(self.folder, self.built)
+
     def command(self, method: str) -> str:
         """What answers the grader, from the root of the repository."""
         return f"{self.built.relative_to(ROOT)}/run {method}"
@@ -115,7 +119,7 @@ def build(package: Package) -> None:
     Raises `LeagueError` with what the installer said.
     """
     shutil.rmtree(package.built, ignore_errors=True)
-    shutil.copytree(package.folder, package.built)
+    package.laid()
     for method in package.methods:
         said = package.said["methods"][method]
         told = {

@@ -31,6 +31,38 @@ function line = rows_of (numbers, form)
   line = strrep (strrep (strrep (line, "-Inf", "null"), "Inf", "null"), "NaN", "null");
 endfunction
 
+function kilobytes = memory_of (name)
+  % Kilobytes of this process, as Linux counts them; 0 elsewhere.
+  kilobytes = 0;
+  file = fopen ("/proc/self/status", "r");
+  if (file >= 0)
+    found = regexp (fread (file, [1 Inf], "*char"), [name '\s*(\d+)'], "tokens", "once");
+    fclose (file);
+    kilobytes = str2double (found{1});
+  endif
+endfunction
+
+function now = cost (before)
+  % The moment before a call; after it, its cost as a line of the file that ISOGRADE_COST names.
+  path = getenv ("ISOGRADE_COST");
+  if (isempty (path))
+    now = [];
+  elseif (nargin == 0)
+    kilobytes = memory_of ("VmRSS:");
+    file = fopen ("/proc/self/clear_refs", "w");
+    if (file >= 0)
+      fputs (file, "5");
+      fclose (file);
+    endif
+    now = [time(), cputime(), kilobytes];
+  else
+    now = [time(), cputime(), memory_of("VmHWM:")] - before;
+    file = fopen (path, "a");
+    fprintf (file, "%.9g %.9g %d\n", now);
+    fclose (file);
+  endif
+endfunction
+
 method = jsondecode (fileread (argv (){end}));
 text = fileread (argv (){end});
 declared = regexprep (text, '^.*"declaration":\s*(\{.*\})\s*\}\s*$', '$1');
@@ -48,7 +80,10 @@ while (true)
       if (isnumeric (asked.isovalues) && ! isempty (asked.isovalues))
         isovalue = asked.isovalues(1);
       endif
-      [vertices, triangles] = adapter (samples (asked), isovalue, asked.spacing(:)');
+      values = samples (asked);
+      before = cost ();
+      [vertices, triangles] = adapter (values, isovalue, asked.spacing(:)');
+      cost (before);
       printf ('{"id": %d, "vertices": %s, "simplices": %s}\n', asked.id, ...
               rows_of (double (vertices), "%.17g"), rows_of (double (triangles) - 1, "%d"));
     catch wrong
