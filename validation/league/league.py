@@ -40,7 +40,8 @@ from isograde.model import AdapterError, Limits
 from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
 from isograde.report.headline import headline
-from isograde.report.reading import read
+from isograde.report.reading import Report, read
+from isograde.report.speed import Measured, measured
 from isograde.runner import NothingToRun, Options, processors
 
 HERE = Path(__file__).resolve().parent
@@ -48,6 +49,7 @@ ROOT = HERE.parents[1]
 KITS = HERE.parent / "kits"
 BUILT = ROOT / ".league"
 REPORTS = ROOT / "reports" / "league"
+SPEED, VERSIONS = REPORTS / "speed.json", REPORTS / "versions"
 READY_MADE = ROOT / "reports" / "implementations"
 SERVICES = HERE / "services"
 
@@ -278,8 +280,27 @@ def page() -> Path:
                 absent[method] = failed or "not graded yet"
     known = about()
     reports.write_whole(REPORTS / "league.md", twelve_lines(found, known))
-    text = choosing_page(found, links, known, absent)
+    text = choosing_page(found, links, known, absent, costs(), versions())
     return reports.write_whole(REPORTS / "index.html", text)
+
+
+def costs() -> dict[str, Measured]:
+    """What ``speed.py`` has measured, by method."""
+    if not SPEED.exists():
+        return {}
+    kept = json.loads(SPEED.read_text(encoding="utf-8"))
+    found = {name: measured(said, name, kept["peer"]) for name, said in kept["methods"].items()}
+    return {name: one for name, one in found.items() if one is not None}
+
+
+def versions() -> list[tuple[Report, str]]:
+    """What ``versions.py`` has graded of the present plan, each with its page."""
+    found = [(read(path), path) for path in sorted(VERSIONS.glob("*.jsonl.gz"))]
+    return [
+        (report, f"{VERSIONS.name}/{path.name.removesuffix('.jsonl.gz')}.html")
+        for report, path in found
+        if report.plan == PLAN
+    ]
 
 
 def rows(chosen: Sequence[Package], names: Sequence[str]) -> Iterator[tuple[Package, str]]:

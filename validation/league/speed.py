@@ -35,7 +35,7 @@ from isograde.report.speed import BUSY
 from isoref import Field
 
 PEER = ("skimage", "skimage:lewiner")
-RESULT = league.REPORTS / "speed.json"
+RESULT = league.SPEED
 ROUNDS = 7
 LIMITS = Limits(120.0, 8192)
 # Asked first, so that libraries are loaded before anything is measured.

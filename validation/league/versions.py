@@ -27,7 +27,7 @@ from isograde.progress import progress
 from isograde.report.headline import headline
 from isograde.runner import NothingToRun, Options
 
-KEPT = league.REPORTS / "versions"
+KEPT = league.VERSIONS
 # Graded of each library, and on which cases: every tile, number types, magnitudes, ties, shapes,
 # known bodies and noise. Real scans and what takes long are left out.
 METHODS = ("skimage:lewiner", "pymcubes", "vtk:flying-edges", "libigl")

@@ -7,6 +7,9 @@ implementation that could not be graded keeps its row, greyed, with the reason.
 
 A *need* is a question with a rule: which rows answer it, and what is shown as the reason. The rules
 are those of the page's text, and nothing else ranks.
+
+Every verdict is a link to what it rests on: a claim of the implementation's own page, with the case
+and the lines that show it, or the rounds that were measured (`isograde.report.speed`).
 """
 
 from __future__ import annotations
@@ -20,6 +23,8 @@ from isograde.model import LEVELS
 from isograde.report.comparison import by_kinds
 from isograde.report.findings import causes
 from isograde.report.headline import (
+    TIES,
+    TRILINEAR,
     by_level,
     choices,
     family_of,
@@ -28,9 +33,13 @@ from isograde.report.headline import (
 )
 from isograde.report.page import environment
 from isograde.report.reading import CONVENTIONS, Report
+from isograde.report.scatter import Point, front, scatter
+from isograde.report.speed import Measured
+from isograde.report.trend import Trend, trends
 
 OURS = ("isoref", "isograde")
-CLOSED, CONSISTENT = 1, 2
+RUNS, CLOSED, CONSISTENT = 0, 1, 2
+DISTANCE = "accuracy.distance"
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,11 @@ class Row:
     ties : the level holds with ties too; None where no field had ties
     torn : fields with ties that are torn, of how many
     wrong : wrong cells in a million on real scans
+    accuracy : mean distance to a known sphere, in its radius, with 3 * 2^k samples a radius
     worst : the first thing that is wrong, in a sentence; its claim; and whether it is promised
+    at : by what is shown (level, ties, wrong, accuracy, worst), where on its page that is shown
+    short : the share of fields in general position that are short of the next level
+    cost : what it costs beside the peer, where that was measured
     """
 
     rank: int
@@ -84,11 +97,28 @@ class Row:
     ties: bool | None
     torn: tuple[int, int] | None
     wrong: float | None
+    accuracy: float | None
     worst: str
-    worst_claim: str
     worst_held: bool
+    at: Mapping[str, str]
     choices: tuple[str, ...]
     date: str
+    short: float
+    cost: Measured | None
+
+    @property
+    def height(self) -> float:
+        """The level, and the share of fields that reach the next."""
+        return self.level + (1 - self.short if self.level < self.top else 0.0)
+
+    @property
+    def id(self) -> str:
+        """The name, fit to be the target of a link on this page."""
+        return "".join(letter if letter.isalnum() else "-" for letter in self.name)
+
+    def link_to(self, shown: str) -> str:
+        """Where what is shown can be checked, or nothing where there is no page."""
+        return f"{self.link}#{self.at[shown]}" if self.link else ""
 
 
 @dataclass(frozen=True)
@@ -109,10 +139,13 @@ class Need:
     reason: Callable[[Row], str]
 
 
-def row(report: Report, rank: int, link: str, about: About = NOBODY) -> Row:
+def row(
+    report: Report, rank: int, link: str, about: About = NOBODY, cost: Measured | None = None
+) -> Row:
     """The row of a report."""
     reached = report.reached
     found = [one for one in causes(report) if not one.choice and one.root.id not in CONVENTIONS]
+    rung = report.next_rung
     return Row(
         rank,
         report.name,
@@ -128,12 +161,42 @@ def row(report: Report, rank: int, link: str, about: About = NOBODY) -> Row:
         report.with_ties,
         ties_torn(report),
         wrong_cells(report),
+        _accuracy(report),
         found[0].said if found else "",
-        found[0].root.id if found else "",
         bool(found) and found[0].held,
+        {
+            "level": _place(report, _first_failing(report)),
+            "ties": _place(report, TIES),
+            "wrong": _place(report, TRILINEAR),
+            "accuracy": _place(report, DISTANCE),
+            "worst": _place(report, found[0].root.id if found else ""),
+        },
         tuple(choices(report)),
         str(report.header["date"])[:10],
+        0.0 if rung is None else report.short_of(rung.level).share,
+        cost,
     )
+
+
+def _first_failing(report: Report) -> str:
+    """The claim that keeps a report from the next level, or nothing."""
+    rung = report.next_rung
+    return rung.failing[0].id if rung is not None and rung.failing else ""
+
+
+def _place(report: Report, claim: str) -> str:
+    """Where a report's page speaks of a claim: the failing case, the claim, or the ladder."""
+    if any(one.id == claim for cause in causes(report) for one in cause.told):
+        return f"failure-{claim}"
+    return claim if claim in report.summaries else "ladder"
+
+
+def _accuracy(report: Report) -> float | None:
+    """The finest mean distance to the sphere, or None where it was not measured."""
+    for claim, case, numbers in report.measured:
+        if claim == DISTANCE and case == "accuracy/sphere":
+            return float(numbers["finest_error"])
+    return None
 
 
 def _in_order(one: Row) -> tuple[float, ...]:
@@ -165,6 +228,48 @@ def _wrong_because(one: Row) -> str:
     return f"{_wrong(one):,.0f} wrong cells in a million on scans; {_closed_because(one)}"
 
 
+def _ratio(one: Row) -> float:
+    """Its time over the peer's; infinite where it was not measured."""
+    return inf if one.cost is None else one.cost.ratio
+
+
+def _memory(one: Row) -> float:
+    """Its memory over the peer's; infinite where it was not measured."""
+    found = None if one.cost is None else one.cost.memory
+    return inf if found is None else found
+
+
+def _timed(one: Row) -> str:
+    """What is said of its speed."""
+    if one.cost is None:
+        return "speed not measured"
+    busy = " (a busy machine)" if one.cost.busy else ""
+    return f"{one.cost.ratio:.2g} times the time of {one.cost.peer}{busy}"
+
+
+def _fast_because(one: Row) -> str:
+    """Speed first, then what it is worth."""
+    return f"{_timed(one)}; {_closed_because(one)}"
+
+
+def _closed_and_fast_because(one: Row) -> str:
+    """What it is worth first, then its speed."""
+    return f"{_closed_because(one)}; {_timed(one)}"
+
+
+def _small_because(one: Row) -> str:
+    """What is said of memory."""
+    assert one.cost is not None
+    most = max(one.cost.costs, key=lambda cost: cost.megabytes[0])
+    said = f"{_memory(one):.2g} times the memory of {one.cost.peer}"
+    return f"{said}; {most.megabytes[0]:.3g} MB for {most.field}; {_closed_because(one)}"
+
+
+def _in_cells_because(one: Row) -> str:
+    """What is said of a method that can have a vertex on a crease."""
+    return f"{one.family}; {_closed_because(one)}"
+
+
 def _from_python(one: Row) -> bool:
     """It is called from Python, and its licence is permissive."""
     return one.about.language == "Python" and one.about.use == "permissive"
@@ -173,28 +278,30 @@ def _from_python(one: Row) -> bool:
 NEEDS = (
     Need(
         "closed-python",
-        "a closed surface of a CT, from Python, permissive licence",
+        "a closed surface of a CT, in Python, fast, permissive licence",
         "Level 1 or above (closed wherever no sample equals the isovalue), called from Python, a "
-        "permissive licence; fewest fields with ties torn first, then fewest wrong cells on scans.",
+        "permissive licence; fewest fields with ties torn first, for a CT of whole numbers has "
+        "ties, then the fastest.",
         lambda one: one.level >= CLOSED and _from_python(one),
-        lambda one: (_torn_share(one), _wrong(one), one.rank),
-        _closed_because,
+        lambda one: (_torn_share(one), _ratio(one), _wrong(one), one.rank),
+        _closed_and_fast_because,
     ),
     Need(
         "watertight",
         "a closed surface for printing",
         "Level 1 or above, and no field with ties torn: scans of whole numbers have ties. A "
-        "surface that meets the border of the volume is closed there only by those that cap it.",
+        "surface that meets the border of the volume is closed there only by those that cap it, "
+        "which come first.",
         lambda one: one.level >= CLOSED and one.torn is not None and not one.torn[0],
-        _in_order,
+        lambda one: (not one.capped, one.rank),
         _closed_because,
     ),
     Need(
         "topology",
         "the right topology, to measure or to count",
-        "Level 2 or above; fewest cells of real scans in which the topology is not that of the "
+        "Level 1 or above; fewest cells of real scans in which the topology is not that of the "
         "trilinear interpolant first.",
-        lambda one: one.level >= CONSISTENT and one.wrong is not None,
+        lambda one: one.level >= CLOSED and one.wrong is not None,
         lambda one: (_wrong(one), one.rank),
         _wrong_because,
     ),
@@ -207,6 +314,33 @@ NEEDS = (
         _closed_because,
     ),
     Need(
+        "preview",
+        "the fastest preview",
+        "Level 0 or above; the least time beside the peer first.",
+        lambda one: one.level >= RUNS and one.cost is not None,
+        lambda one: (_ratio(one), one.rank),
+        _fast_because,
+    ),
+    Need(
+        "huge",
+        "huge volumes, little memory",
+        "Level 1 or above; the least memory beside the peer first, on top of the samples "
+        "themselves. None was tried on a volume larger than memory.",
+        lambda one: one.level >= CLOSED and _memory(one) < inf,
+        lambda one: (_memory(one), one.rank),
+        _small_because,
+    ),
+    Need(
+        "sharp",
+        "sharp features",
+        "Level 0 or above, with vertices in cells or on a lattice of its own: only these can place "
+        "one on a crease, where a vertex on an edge of the lattice cuts it off. How well they do "
+        "it is not measured.",
+        lambda one: one.level >= RUNS and "vertices" in one.family and "edges" not in one.family,
+        _in_order,
+        _in_cells_because,
+    ),
+    Need(
         "labels",
         "a surface round a label",
         "Takes inside and outside alone (interpolant labels), level 1 or above.",
@@ -214,28 +348,88 @@ NEEDS = (
         _in_order,
         _closed_because,
     ),
+    Need(
+        "licence",
+        "a permissive licence, whatever the language",
+        "A permissive licence (neither copyleft nor non-commercial), level 1 or above.",
+        lambda one: one.level >= CLOSED and one.about.use == "permissive",
+        _in_order,
+        lambda one: f"{one.about.licence}, {one.about.language}; {_closed_because(one)}",
+    ),
 )
-"""Questions the results can answer. Speed, sharp features and huge volumes are not among them: the
-grader does not measure them, and the page says so."""
+"""Questions that the results answer; of sharp features they say what they can."""
+
+
+@dataclass(frozen=True)
+class Absent:
+    """An implementation that could not be graded, and why."""
+
+    name: str
+    why: str
+    about: About
 
 
 @dataclass(frozen=True)
 class Page:
-    """What the template shows of one group of kinds."""
+    """What the template shows of one group of kinds.
+
+    answers : to each need, the rows that fit it, the best first
+    """
 
     kinds: str
     rows: tuple[Row, ...]
     answers: tuple[tuple[Need, tuple[Row, ...]], ...] = fresh(default=())
 
+    @property
+    def measured(self) -> tuple[Row, ...]:
+        """The rows of which the cost was measured, the fastest first."""
+        return tuple(sorted((one for one in self.rows if one.cost), key=_ratio))
+
+    @property
+    def points(self) -> list[Point]:
+        """A point for each of these: its time, its height, and where its costs are."""
+        return [
+            Point(one.name, f"#cost-{one.id}", _ratio(one), one.height, one.ours)
+            for one in self.measured
+        ]
+
+    @property
+    def drawn(self) -> str:
+        """Correctness against speed."""
+        peers = [one.cost.peer for one in self.measured if one.cost]
+        return scatter(self.points, peers[0]) if len(peers) > 1 else ""
+
+    @property
+    def numbered(self) -> list[Row]:
+        """The rows that have numbers in the picture, in the order of these."""
+        best = {one.name for one in self.front}
+        return [one for one in self.measured if one.name not in best]
+
+    @property
+    def front(self) -> list[Row]:
+        """The rows that no other beats both in height and in time."""
+        best = {point.name for point in front(self.points)}
+        return [one for one in self.measured if one.name in best]
+
 
 def pages(
-    reports: Sequence[Report], links: Mapping[str, str], about: Mapping[str, About]
+    reports: Sequence[Report],
+    links: Mapping[str, str],
+    about: Mapping[str, About],
+    costs: Mapping[str, Measured] | None = None,
 ) -> list[Page]:
     """The groups of those that take the same kinds, the largest first."""
     found = []
+    costs = costs or {}
     for kinds, group in by_kinds(reports).items():
         ranked = [
-            row(one, place, links.get(one.name, ""), about.get(one.name, NOBODY))
+            row(
+                one,
+                place,
+                links.get(one.name, ""),
+                about.get(one.name, NOBODY),
+                costs.get(one.name),
+            )
             for place, one in enumerate(sorted(group, key=by_level), 1)
         ]
         rows = tuple(sorted(ranked, key=lambda one: (one.ours, one.rank)))
@@ -253,16 +447,23 @@ def choosing_page(
     links: Mapping[str, str],
     about: Mapping[str, About] | None = None,
     absent: Mapping[str, str] | None = None,
+    costs: Mapping[str, Measured] | None = None,
+    versions: Sequence[tuple[Report, str]] = (),
 ) -> str:
     """The page as one HTML file.
 
-    links, about : by the implementation's name
+    links, about, costs : by the implementation's name
     absent : by name, why an implementation could not be graded
+    versions : reports of several versions of the same implementations, each with its page
     """
+    about = about or {}
+    grouped = pages(reports, links, about, costs)
+    left = [Absent(name, why, about.get(name, NOBODY)) for name, why in (absent or {}).items()]
+    told: list[Trend] = trends(versions)
     return (
         environment()
         .get_template("choosing.html")
-        .render(pages=pages(reports, links, about or {}), absent=absent or {}, count=len(reports))
+        .render(pages=grouped, absent=left, count=len(reports), trends=told)
     )
 
 

@@ -1,16 +1,21 @@
-// Sorts, filters and hides the rows of each table. Without it the page shows the first order whole.
+// Sorts, filters and hides the rows of each table, refines the answers, opens what a link points at.
+// Without it the page shows the first order whole.
 "use strict";
 document.body.classList.add("scripted");
+
+/** An element with properties and children. */
+function made(name, properties, ...children) {
+  const element = Object.assign(document.createElement(name), properties);
+  element.append(...children);
+  return element;
+}
+
 for (const group of document.querySelectorAll(".group")) {
   const table = group.querySelector("table.choose");
   const form = group.querySelector(".filters");
   const heads = [...table.tHead.rows[0].cells];
   const rows = [...table.querySelectorAll("tbody tr[data-level]")];
   const hidden = new Set();
-
-  // Each cell tells its heading, for narrow screens and for those who hear the page.
-  for (const row of rows)
-    [...row.cells].forEach((cell, at) => at && (cell.dataset.label = heads[at].textContent));
 
   function shown(row) {
     const { text, language, use, level, ties } = form.elements;
@@ -27,15 +32,18 @@ for (const group of document.querySelectorAll(".group")) {
     for (const row of rows) row.hidden = !shown(row);
     const left = rows.filter((row) => !row.hidden).length;
     form.querySelector("output").textContent = `${left} of ${rows.length} shown`;
+    form.querySelector(".back").hidden = !hidden.size;
   }
   form.addEventListener("input", filter);
   form.addEventListener("submit", (event) => event.preventDefault());
+  form.querySelector(".back").addEventListener("click", () => {
+    hidden.clear();
+    filter();
+  });
 
   // Sort within each part: libraries stay apart from what is ours.
   heads.forEach((head, at) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.append(...head.childNodes);
+    const button = made("button", { type: "button" }, ...head.childNodes);
     head.append(button);
     button.addEventListener("click", () => {
       const down = head.getAttribute("aria-sort") === "ascending";
@@ -43,7 +51,7 @@ for (const group of document.querySelectorAll(".group")) {
       head.setAttribute("aria-sort", down ? "descending" : "ascending");
       const turn = down ? -1 : 1;
       const value = (row) => row.cells[at].dataset.value;
-      const number = head.dataset.sort === "number" || at === 0;
+      const number = head.dataset.sort !== "text";
       for (const body of table.tBodies) {
         const own = [...body.rows].filter((row) => row.dataset.level !== undefined);
         own.sort((a, b) =>
@@ -54,21 +62,21 @@ for (const group of document.querySelectorAll(".group")) {
     });
   });
 
-  // Columns to pick, rows to hide.
+  // Columns to pick; some are left aside until they are asked for.
   const box = form.querySelector(".columns > div");
   heads.forEach((head, at) => {
     if (!at) return;
-    const label = document.createElement("label");
-    const check = Object.assign(document.createElement("input"), { type: "checkbox", checked: true });
-    label.append(check, head.textContent);
-    box.append(label);
-    check.addEventListener("input", () => {
+    const check = made("input", { type: "checkbox", checked: head.dataset.aside === undefined });
+    box.append(made("label", {}, check, head.textContent));
+    const show = () => {
       for (const row of [table.tHead.rows[0], ...rows]) row.cells[at].hidden = !check.checked;
-    });
+    };
+    check.addEventListener("input", show);
+    show();
   });
   for (const row of rows) {
-    const hide = Object.assign(document.createElement("button"), { type: "button", className: "hide", textContent: "hide" });
-    hide.setAttribute("aria-label", `hide ${row.cells[0].firstChild.textContent}`);
+    const hide = made("button", { type: "button", className: "hide", textContent: "hide" });
+    hide.setAttribute("aria-label", `hide ${row.dataset.name}`);
     hide.addEventListener("click", () => {
       hidden.add(row);
       filter();
@@ -76,4 +84,63 @@ for (const group of document.querySelectorAll(".group")) {
     row.cells[0].append(hide);
   }
   filter();
+
+  // The answers to a need can be narrowed by language and licence.
+  for (const answer of group.querySelectorAll(".answer")) {
+    const items = [...answer.querySelectorAll("li")];
+    if (!items.length) continue;
+    const of = (item) => rows.find((row) => row.dataset.name === item.dataset.name).dataset;
+    const chosen = ["language", "use"].map((word) => {
+      const words = [...new Set(items.map((item) => of(item)[word]))].filter(Boolean).sort();
+      const select = made("select", {}, ...["any", ...words].map((one) => made("option", { textContent: one })));
+      return { word, words, select };
+    });
+    const all = made("button", { type: "button", className: "hide" });
+    let whole = false;
+    const narrow = () => {
+      let left = 0;
+      for (const item of items) {
+        const fits = chosen.every(({ word, select }) => select.value === "any" || of(item)[word] === select.value);
+        left += fits;
+        item.hidden = !fits || (!whole && left > 5);
+      }
+      all.hidden = left <= 5;
+      all.textContent = whole ? "the first five" : `all ${left}`;
+    };
+    all.addEventListener("click", () => {
+      whole = !whole;
+      narrow();
+    });
+    const told = { language: "language", use: "licence" };
+    const labels = chosen.filter(({ words }) => words.length > 1);
+    const choices = labels.map(({ word, select }) => made("label", {}, told[word], select));
+    const bar = made("div", { className: "refine" }, ...choices);
+    bar.addEventListener("input", narrow);
+    answer.insertBefore(bar, answer.querySelector("ol"));
+    answer.append(all);
+    narrow();
+  }
 }
+
+// Each cell tells its heading, for narrow screens and for those who hear the page.
+for (const table of document.querySelectorAll("table")) {
+  const heads = [...(table.tHead?.rows[0].cells ?? [])].map((head) => head.textContent.trim());
+  for (const body of table.tBodies)
+    for (const row of body.rows)
+      if (row.cells.length === heads.length)
+        [...row.cells].forEach((cell, at) => at && (cell.dataset.label = heads[at]));
+}
+
+// What a link points at is opened; on paper everything is.
+function open() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
+  if (target) target.scrollIntoView();
+}
+addEventListener("hashchange", open);
+open();
+addEventListener("beforeprint", () => {
+  for (const one of document.querySelectorAll(".need")) one.removeAttribute("name");
+  for (const one of document.querySelectorAll("details:not(.columns)")) one.open = true;
+  for (const one of document.querySelectorAll(".answer li")) one.hidden = false;
+});
