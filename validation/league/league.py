@@ -40,6 +40,7 @@ from isograde.model import AdapterError, Limits
 from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
 from isograde.report.headline import headline
+from isograde.report.lines import lines
 from isograde.report.reading import Report, read
 from isograde.report.speed import Measured, measured
 from isograde.runner import NothingToRun, Options, processors
@@ -261,17 +262,17 @@ def page() -> Path:
     found, links, absent = [], {}, {}
     for folder in (REPORTS, READY_MADE):
         for path in sorted(folder.glob("*.jsonl.gz")):
-            report = read(path)
-            plan = report.header.get("plan", 1)
-            if report.name in links:
+            header = next(lines(path))  # The rest is long, and read only where it is shown.
+            name, plan = header["declaration"]["name"], header.get("plan", 1)
+            if name in links:
                 continue
             if plan != PLAN:
-                absent[report.name] = f"graded on plan {plan}, not yet on plan {PLAN}"
+                absent[name] = f"graded on plan {plan}, not yet on plan {PLAN}"
                 continue
-            absent.pop(report.name, None)
-            found.append(report)
+            absent.pop(name, None)
+            found.append(read(path))
             stem = path.name.removesuffix(".jsonl.gz")
-            links[report.name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
+            links[name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
     for package in packages():
         reason = package.built / "failed.txt"
         for method in package.methods:
@@ -295,11 +296,10 @@ def costs() -> dict[str, Measured]:
 
 def versions() -> list[tuple[Report, str]]:
     """What ``versions.py`` has graded of the present plan, each with its page."""
-    found = [(read(path), path) for path in sorted(VERSIONS.glob("*.jsonl.gz"))]
     return [
-        (report, f"{VERSIONS.name}/{path.name.removesuffix('.jsonl.gz')}.html")
-        for report, path in found
-        if report.plan == PLAN
+        (read(path), f"{VERSIONS.name}/{path.name.removesuffix('.jsonl.gz')}.html")
+        for path in sorted(VERSIONS.glob("*.jsonl.gz"))
+        if next(lines(path)).get("plan", 1) == PLAN
     ]
 
 

@@ -10,7 +10,7 @@ from isograde.report.junit import junit
 from isograde.report.markdown import markdown
 from isograde.report.page import page
 from isograde.report.reading import Report
-from isograde.report.viewer import EXPLORER, explorer
+from isograde.report.viewer import EXPLORER, beside, explorer
 
 FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
     "html": (".html", page),
@@ -27,9 +27,8 @@ def write(report: Report, folder: Path, stem: str, formats: Iterable[str]) -> li
     Beside a page stands the explorer, which its failing cases open in.
     """
     formats = tuple(formats)
-    shown = explorer()
-    if "html" in formats and shown is not None:
-        write_whole(folder / EXPLORER, shown.read_text(encoding="utf-8"))
+    if "html" in formats and explorer() is not None:
+        write_whole(folder / EXPLORER, beside(folder))
     return [
         write_whole(folder / f"{stem}{FORMATS[name][0]}", FORMATS[name][1](report))
         for name in formats

@@ -21,6 +21,7 @@ simplex that is there more than once, `flat` one without area, `unused` a vertex
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from importlib import resources
@@ -42,6 +43,11 @@ SAMPLES = 400
 DECIMALS = 3
 # The explorer stands beside the pages, under this name, and shows so many samples at most.
 EXPLORER, OPENED = "explorer.html", 1331
+LEADS = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Explorer</title></head>
+<body><p>The explorer is <a href="{away}">kept once</a> in this repository.</p>
+<script>location.replace("{away}" + location.search + location.hash);</script></body></html>
+"""
 # JSON's readers keep integers up to here.
 EXACT = 2**53
 
@@ -83,6 +89,22 @@ def explorer() -> Path | None:
     package = Path(str(resources.files("isograde")))
     places = (package / "report" / EXPLORER, package.parents[1] / "docs" / "explorer" / EXPLORER)
     return next((place for place in places if place.is_file()), None)
+
+
+def beside(folder: Path) -> str:
+    """What stands as the explorer beside the pages of a folder.
+
+    Within the repository that the explorer is kept in, a page that leads to it, with the case that
+    was asked for; anywhere else the explorer itself.
+    """
+    shown = explorer()
+    assert shown is not None
+    root = Path(str(resources.files("isograde"))).parents[1]
+    place = folder.resolve()
+    if not (shown.is_relative_to(root / "docs") and place.is_relative_to(root)):
+        return shown.read_text(encoding="utf-8")
+    away = os.path.relpath(shown, place).replace(os.sep, "/")
+    return LEADS.format(away=away)
 
 
 def _opened(record: JSON, values: list[Any]) -> str:
