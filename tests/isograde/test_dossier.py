@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -125,6 +126,21 @@ def test_who_graded_and_where_is_not_mistaken_for_who_made_the_document(tmp_path
     report.header["versions"] = {"python": here["python"]}
     dossier.make(report, tmp_path / "new.html")
     assert "graded elsewhere" not in (tmp_path / "new.html").read_text(encoding="utf-8")
+
+
+def test_a_ready_made_library_is_named_by_the_checksum_of_its_files(tmp_path: Path) -> None:
+    """Where the version that is installed is the one that was graded, and nowhere else."""
+    pytest.importorskip("skimage")
+    report = graded()
+    assert dossier.recorded(report) == {}
+    report.header["spec"] = "skimage:lewiner"
+    report.header["declaration"]["version"] = "0.0.1"
+    assert dossier.recorded(report) == {}
+    report.header["declaration"]["version"] = metadata.version("scikit-image")
+    dossier.make(report, tmp_path / "mine.html")
+    text = (tmp_path / "mine.html").read_text(encoding="utf-8")
+    assert dossier.recorded(report)["record"] in text
+    assert all(good for good, _ in dossier.verify(tmp_path / "mine.html"))
 
 
 @pytest.mark.skipif(shutil.which("gpg") is None, reason="gpg is not here")

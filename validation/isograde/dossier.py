@@ -34,6 +34,7 @@ from pathlib import Path
 from scipy.stats import beta
 
 from isograde import catalogue
+from isograde.adapters.registry import READY_MADE
 from isograde.model import BAD, EVIDENCE
 from isograde.report import words
 from isograde.report.headline import TRILINEAR, headline, wrong_cells
@@ -85,6 +86,25 @@ def facts() -> JSON:
         "python": platform.python_version(),
         "lock": lock(),
     }
+
+
+def recorded(report: Report) -> JSON:
+    """The checksum of the list of a ready-made library's files, where it is the one graded."""
+    ready = READY_MADE.get(report.spec)
+    if ready is None:
+        return {}
+    try:
+        found = metadata.distribution(ready.distribution)
+    except metadata.PackageNotFoundError:
+        return {}
+    record, top = found.read_text("RECORD") or "", ready.imports[0].partition(".")[0]
+    # A checkout that is installed as it stands lists none of its code.
+    code = [line for line in record.splitlines() if line.startswith(top)]
+    whole = any(".dist-info/" not in line for line in code)
+    if not whole or found.version != report.declaration.get("version"):
+        return {}
+    digest = hashlib.sha256(record.encode()).hexdigest()
+    return {"distribution": f"{ready.distribution} {found.version}", "record": digest}
 
 
 def _version(name: str) -> str:
@@ -278,7 +298,7 @@ def make(report: Report, path: Path, key: str | None = None) -> list[Path]:
     """
     if report.footer is None:
         raise DossierError("the report was cut off: it has no footer")
-    places, known = Places(path), facts()
+    places, known = Places(path), {**facts(), **recorded(report)}
     path.parent.mkdir(parents=True, exist_ok=True)
     html = document(report, known)
     write_lines(report.records, places.of("report.jsonl.gz"))
