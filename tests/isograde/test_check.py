@@ -12,7 +12,8 @@ from isograde.adapters.measure import ball, frame
 from isograde.adapters.registry import READY_MADE
 from isograde.checking import Advice, Checked, check, paste, small, trying
 from isograde.checking.places import misplacement
-from isograde.declaration import declaration_from
+from isograde.checking.words import alternating, five
+from isograde.declaration import declaration_from, declaration_json
 from isograde.model import Outcome, Request, Status, Verdict
 from isoref.field import Field
 from isoref.methods import METHODS
@@ -80,6 +81,23 @@ def test_who_hangs_is_asked_once_and_has_nothing_to_paste() -> None:
     assert [verdict for verdict, _ in checked.advice] == [Verdict.PASS, Verdict.TIMEOUT]
     assert "no answer within 1 s" in checked.advice[-1][1]
     assert checked.paste == ""
+
+
+def test_an_alternating_split_is_known_by_its_diagonals() -> None:
+    """Five tetrahedra a cell: what it joins is told, and is no dual method's vertices in cells."""
+    field = ball()
+    index = {
+        name: METHODS[name](field, 1.0).vertices / field.spacing
+        for name in ("marching-tetrahedra-five", "marching-tetrahedra-kuhn", "asymptotic-decider")
+    }
+    assert alternating(index["marching-tetrahedra-five"]) == 0
+    assert alternating(index["marching-tetrahedra-five"] + [1, 0, 0]) == 1
+    assert alternating(index["marching-tetrahedra-kuhn"]) is None
+    assert alternating(index["asymptotic-decider"]) is None
+    declared = declaration_json(READY_MADE["isoref:marching-tetrahedra-five"].declaration())
+    assert five(0) == declared["interpolant"]
+    split = declaration_from({"interpolant": five(1)}, "mine")
+    assert split.split != declaration_from({"interpolant": five(0)}, "mine").split
 
 
 def test_vertices_that_are_shared_within_cells_alone_are_a_soup() -> None:

@@ -21,7 +21,7 @@ from isograde.checking.limits import TRIED, Within
 from isograde.checking.places import level_at, misplaced, shifted
 from isograde.checking.rows import NO_CELL, rows_told
 from isograde.checking.spans import NEAR, Span, inset, spans, spans_told, stretch
-from isograde.checking.words import WORDS, exact, index_of, said_more, words_of
+from isograde.checking.words import FIVE, WORDS, exact, index_of, said_more, words_of
 from isograde.declaration import (
     Conventions,
     Declaration,
@@ -220,6 +220,10 @@ class Try:
             now = said[name][0]["end"] if name == "domain" else said[name]
             if said_more(self.declaration, name) or now == found:
                 continue
+            if name == "interpolant" and isinstance(found, dict):
+                told = f"{WORDS[name]} looks like {FIVE}, and it declares {json.dumps(now)}"
+                yield Verdict.FAIL, f"{told}: say so as below, if it is meant to be"
+                continue
             told = (
                 f"{WORDS[name]} looks like {json.dumps(found)}, and it declares {json.dumps(now)}"
             )
@@ -310,7 +314,8 @@ class Try:
     def _rows(self) -> Iterator[Advice]:
         """What is wrong with single cells, of who has vertices on their edges and no caps."""
         assert self.measured is not None
-        plain_cells = self.words["interpolant"] != "kuhn" and self.words["vertices"] == "edges"
+        whole = self.words["interpolant"] in ("multilinear", "labels")
+        plain_cells = whole and self.words["vertices"] == "edges"
         if plain_cells and self.words["domain"] == "open":
             order = (2, 1, 0) if self.measured.axes == "reversed" else (0, 1, 2)
             halfway = self.words["interpolant"] == "labels"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ WORDS = {
     "domain": "how the surface ends at the border",
     "mesh": "how triangles share vertices",
 }
+
+
+FIVE = "the alternating split of cells into five tetrahedra"
 
 
 def said_more(declaration: Declaration, word: str) -> bool:
@@ -68,8 +72,8 @@ def _fractional(points: Floats) -> NDArray[np.bool_]:
     return away
 
 
-def _interpolant(ask: Ask, points: Floats, field: Field) -> str:
-    """Labels where values do not matter, Kuhn's tetrahedra where vertices are on diagonals."""
+def _interpolant(ask: Ask, points: Floats, field: Field) -> Any:
+    """Labels where values do not matter, a split where vertices are on its diagonals."""
     seen = np.where(field.values >= 1, 3.0, -1.0)
     again = ask(replace(field, values=seen), (1.0,))
     if again.vertices is not None and again.vertices.shape == points.shape:
@@ -81,10 +85,47 @@ def _interpolant(ask: Ask, points: Floats, field: Field) -> str:
     inner = np.where(_fractional(points), parts, np.nan)[many]
     # On a diagonal of Kuhn's split every coordinate that is not whole has the same fraction.
     alike = len(inner) and (np.nanmax(inner, axis=1) - np.nanmin(inner, axis=1) < WHOLE).all()
-    return "kuhn" if alike and many.mean() > 0.3 else "multilinear"
+    if alike and many.mean() > 0.3:
+        return "kuhn"
+    parity = alternating(points)
+    return "multilinear" if parity is None else five(parity)
 
 
-def _vertices(points: Floats, interpolant: str) -> str:
+def alternating(points: Floats) -> int | None:
+    """The parity of the samples that diagonals join, where vertices are on an alternating split.
+
+    Its edges are those of the lattice and, in each face, the diagonal between the two samples
+    whose indices have a sum of this parity.
+    """
+    inner = _fractional(points)
+    two = inner.sum(axis=1) == 2
+    if inner.all(axis=1).any() or two.mean() < 0.1:
+        return None
+    low = np.floor(points[two])
+    first, second = (points - np.floor(points))[two][inner[two]].reshape(-1, 2).T
+    up, down = np.abs(first - second) < WHOLE, np.abs(first + second - 1) < WHOLE
+    if not (up | down).all():
+        return None
+    # From a sample to that beyond it along both axes, or between the other two.
+    parities = (low.sum(axis=1) + down)[up != down] % 2
+    return int(parities[0]) if len(parities) and np.ptp(parities) == 0 else None
+
+
+def five(parity: int) -> dict[str, Any]:
+    """The split of each cell into five tetrahedra that joins samples of this parity."""
+    found = []
+    corners = list(product((0, 1), repeat=3))
+    for cell in corners:
+        points = [[a + b for a, b in zip(cell, corner, strict=True)] for corner in corners]
+        joined = [p for p in points if sum(p) % 2 == parity]
+        found.append(joined)
+        for other in (p for p in points if sum(p) % 2 != parity):
+            near = [p for p in joined if np.abs(np.subtract(p, other)).sum() == 1]
+            found.append([other, *near])
+    return {"tetrahedra": found}
+
+
+def _vertices(points: Floats, interpolant: Any) -> str:
     """On edges, where most vertices have one coordinate that is not whole; else in cells."""
     inner = _fractional(points).sum(axis=1)
     parts = points - np.floor(points)
@@ -94,6 +135,8 @@ def _vertices(points: Floats, interpolant: str) -> str:
     on_edges = inner <= 1
     if interpolant == "kuhn":
         on_edges |= alike < WHOLE
+    if isinstance(interpolant, dict):
+        on_edges |= inner == 2
     return "edges" if on_edges.mean() > 0.6 else "cells"
 
 
