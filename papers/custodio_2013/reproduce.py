@@ -17,6 +17,7 @@ from pathlib import Path
 import custodio_posed as posed
 import numpy as np
 from isograde.adapters import open_adapter, ready_made_names
+from isograde.claims.cells import on_cell_edges
 from isograde.model import SURFACES, AdapterError, Limits
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
@@ -131,7 +132,7 @@ def agreed(name: str, published: posed.Published) -> Agreed:
         good = posed.right_grids(adapter, published.grids, published.betti, side)
         distinct, grids = int(good.sum()), int(published.times[good].sum())
         why = "single cells: its vertices are not on the lattice's edges"
-        if "on-edges" not in said.without:
+        if on_cell_edges(said):
             alike = posed.right_cells(adapter, published.cells, published.euler, side)
             in_cells, why = int(alike.sum()), ""
         return Agreed(name, version, in_cells, grids, distinct, why)

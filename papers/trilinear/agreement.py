@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import whole
 from isograde.adapters import open_adapter, ready_made_names
+from isograde.claims.cells import on_cell_edges
 from isograde.model import SURFACES, Adapter, AdapterError, Limits
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.sheets import Fault, judge
@@ -87,7 +88,7 @@ def agreement(name: str, asked: Posed) -> Agreement:
         row.total = Counter(asked.names)
         good, islands = whole.right(adapter, asked.values, asked.islands, side_of(name))
         row.whole = Counter(np.array(asked.names)[good].tolist())
-        if "on-edges" in said.without:
+        if not on_cell_edges(said):
             row.why_not_cells = "its vertices are not on the lattice's edges"
             row.crossing = len(self_intersections(islands.points, islands.simplices))
         else:

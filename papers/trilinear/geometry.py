@@ -78,7 +78,7 @@ def orders(adapter: Adapter, said: Declaration) -> dict[str, list[Finding]]:
     for case in accuracy.cases():
         trial = _trial(adapter, said, case)
         for claim in CLAIMS:
-            if trial is not None and not claim.unless & said.without:
+            if trial is not None and claim.families(said):
                 found.setdefault(claim.id, []).append(claim.judge(trial))
     return found
 

@@ -10,6 +10,7 @@ import posing
 from isograde.adapters import open_adapter
 from isograde.cases import trilinear_cells
 from isograde.cases.trilinear_cells import TUNNELS
+from isograde.claims.cells import on_cell_edges
 from isograde.model import Adapter, AdapterError, Limits
 from isograde.oracles.sheets import Fault
 from isograde.oracles.trilinear import NONE, cells
@@ -54,7 +55,7 @@ def smallest_failures(name: str, limits: Iterable[int] = range(2, 13)) -> list[S
     adapter = open_adapter(name)
     best: dict[str, tuple[tuple[float, ...], Smallest]] = {}
     try:
-        if "on-edges" in adapter.open(Limits(seconds=120)).without:
+        if not on_cell_edges(adapter.open(Limits(seconds=120))):
             return []
         for limit in limits:
             for draw in (small_cells, checkered_cells):

@@ -95,6 +95,24 @@ def test_the_published_numbers_are_those_of_trilinear_cubes_and_the_oracle(
     assert posed.right_grids(reference, published.grids[some], published.betti[some], 10).all()
 
 
+@pytest.mark.parametrize(
+    ("name", "by_cells"), [("isoref:trilinear-cubes", True), ("isoref:surface-nets", False)]
+)
+def test_an_implementation_is_asked_of_cells_where_its_vertices_allow(
+    posed: Any, name: str, by_cells: bool
+) -> None:
+    """A row of the report, of a few cells and grids of ours."""
+    reproduce = importer("custodio_2013")("reproduce")
+    inner = np.random.default_rng(3).uniform(-1, 1, (8, 2, 2, 2))
+    own = grids(8, seed=4)
+    betti = np.array([[t.components, t.components - t.euler // 2] for t in map(grid, own)])
+    few = posed.Published(inner, cells(inner).euler, own, np.ones(8, np.int64), betti)
+    found = reproduce.agreed(name, few)
+    assert (found.cells is not None) == by_cells
+    if by_cells:
+        assert (found.cells, found.distinct) == (8, 8)
+
+
 def test_critical_points_give_the_published_handles_of_every_grid(posed: Any) -> None:
     """Etiene and others 2012: stratified Morse theory; the grids are high all round."""
     folder = Path(os.environ.get("ISOGRADE_DATA", ""))

@@ -167,6 +167,38 @@ def test_the_reference_is_right_wherever_it_is_posed(module: Callable[[str], Any
         adapter.close()
 
 
+@pytest.mark.parametrize(
+    ("name", "by_cells"), [("isoref:asymptotic-decider", True), ("isoref:surface-nets", False)]
+)
+def test_an_implementation_has_its_row_by_cells_where_its_vertices_allow(
+    module: Callable[[str], Any], name: str, by_cells: bool
+) -> None:
+    """What the report asks of everybody, of three cells; who cannot be judged by cells says why."""
+    agreement = module("agreement")
+    row = agreement.agreement(name, agreement.posed(2000))
+    assert row.why_not == ""
+    assert (row.why_not_cells == "") == by_cells
+    assert (row.random[1] > 0) == by_cells
+    assert sum(row.total.values()) >= 3
+
+
+def test_orders_are_those_of_the_claims_on_spheres(
+    module: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The claims of accuracy that can be made of the implementation, one finding a shape."""
+    geometry = module("geometry")
+    spheres = geometry.accuracy.cases()[:1]
+    monkeypatch.setattr(geometry.accuracy, "cases", lambda: spheres)
+    adapter = open_adapter("isoref:trilinear-cubes")
+    try:
+        found = geometry.orders(adapter, adapter.open(Limits()))
+    finally:
+        adapter.close()
+    assert "accuracy.position" in found
+    assert all(len(findings) == 1 for findings in found.values())
+    assert found["accuracy.position"][0].numbers["order"] > 1.8
+
+
 @pytest.mark.slow
 def test_the_report_can_be_made_again(module: Callable[[str], Any], tmp_path: Path) -> None:
     """The tables that need no library and no volume."""
