@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from isograde.adapters.conventions import to_house
-from isograde.adapters.forms import AnswerError, arrays_from
+from isograde.adapters.forms import AnswerError, arrays_from, normals_in
 from isograde.declaration import Declaration
 from isograde.model import (
     Adapter,
@@ -49,6 +49,7 @@ class Here:
                 level = levels[0] if len(levels) == 1 else levels
                 answer = self.function(samples, level, request.field.spacing)
             vertices, simplices = arrays_from(answer, request.kind)
+            normals = normals_in(answer, request.kind)
         except NotImplementedError as error:
             return Outcome(Status.DECLINED, detail=str(error))
         except AnswerError as error:
@@ -59,7 +60,8 @@ class Here:
         real = samples.dtype.kind == "f"
         changed = not np.array_equal(samples, request.field.values, equal_nan=real)
         # The fault may keep its arrays and write to them again: judge what they were.
-        outcome = Outcome(Status.OK, vertices.copy(), simplices.copy(), input_changed=changed)
+        arrays = vertices.copy(), simplices.copy()
+        outcome = Outcome(Status.OK, *arrays, input_changed=changed, normals=normals)
         return to_house(outcome, request, self.declaration.conventions)
 
     def close(self) -> None:

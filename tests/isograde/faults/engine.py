@@ -51,6 +51,7 @@ class Engine:
         crossings = self.crossings(g, signs, cells)
 
         # Copy the triangles, cells of one kind together.
+        on_edges = [self.edge_name(cells, e, shape) for e in range(12)]
         names, places, owners = [], [], []
         keys = signs | decisions << 8
         for key in np.unique(keys).tolist():
@@ -61,7 +62,7 @@ class Engine:
             inner = self.interior(inner, g[:, rows])
             for node in nodes:
                 if node < 12:
-                    names.append(self.edge_name(cells[rows], int(node), shape))
+                    names.append(on_edges[node][rows])
                     places.append(cells[rows] + crossings[node, rows])
                 else:
                     names.append(self.inner_name(cells[rows], int(node), key, shape))

@@ -4,9 +4,10 @@
     python -m tests.isograde.faults.matrix --report                   writes reports/faults
     python -m tests.isograde.faults.matrix --first [NAME ...]         finds cases for caught.json
 
-What is found is added to ``build/faults/matrix.jsonl``, a line a fault, with a digest of the plan
-and of the fault's module: a line of another plan or of another text does not count. The report has
-a row for each fault: the claims that failed and on how many cases.
+What is found is added to ``reports/faults/matrix.jsonl``, a line a fault, with a digest of the plan
+and of the fault's module: a line of another plan or of another text does not count. Verdicts on the
+sound engine are used where a fault answers as it does (`tests.isograde.faults.sharing`). The report
+has a row for each fault: the claims that failed and on how many cases, up to ten.
 """
 
 from __future__ import annotations
@@ -24,16 +25,18 @@ from pathlib import Path
 from typing import Any
 
 from isograde.claims import CLAIMS
-from isograde.model import BAD
+from isograde.runner import Worker
 
-from tests.isograde.faults import blind, histories, kinds
+from tests.isograde.faults import blind, engine, histories, kinds
 from tests.isograde.faults.catching import caught_by, lowest, rank, tasks_of, worker_of
 from tests.isograde.faults.registry import FAULTS, SURVIVORS, Fault
+from tests.isograde.faults.sharing import MOST, Sound, family, sound_worker, verdicts
 
 HERE = Path(__file__).resolve().parents[3]
+BUILD = HERE / "build" / "faults"
 MODULES = (blind, histories, kinds)
 CAUGHT = Path(__file__).parent / "caught.json"
-KEPT = HERE / "build" / "faults" / "matrix.jsonl"
+KEPT = HERE / "reports" / "faults" / "matrix.jsonl"
 REPORT = HERE / "reports" / "faults" / "README.md"
 
 
@@ -60,22 +63,37 @@ def texts(module: Any) -> set[str]:
 
 def judged(fault: Fault) -> dict[str, Any]:
     """The line of one fault: for each claim that failed on how many cases, held or not."""
-    started, worker = time.perf_counter(), worker_of(fault)
+    started, worker = time.process_time(), worker_of(fault)
+    sound = sound_for(worker)
     failed: Counter[str] = Counter()
-    cases = 0
+    cases = shared = asked = 0
     for task in tasks_of(worker):
-        findings = worker.judge(task).findings
-        failed.update(name for name, one in findings.items() if one.verdict in BAD)
+        left = [name for name in task.claims if failed[name] < MOST]
+        found = verdicts(worker, task, sound, left)
+        shared += found.pop("shared", 0)
+        asked += len(left)
+        failed += found
         cases += 1
     held = [name for name in failed if CLAIMS[name].held(worker.declaration)]
     return {
         "fault": fault.name,
         "digest": digest_of(fault),
         "cases": cases,
+        "shared": round(shared / max(asked, 1), 3),
         "failed": dict(sorted(failed.items(), key=lambda item: rank(item[0]))),
         "lowest": min(held, key=rank, default=""),
-        "seconds": round(time.perf_counter() - started, 1),
+        "seconds": round(time.process_time() - started, 1),
     }
+
+
+def sound_for(worker: Worker) -> Sound | None:
+    """What is known of the sound engine on this plan; None for a fault of another family."""
+    told = sound_worker()
+    if family(worker.declaration) != family(told.declaration):
+        return None
+    plan = [(task.case, task.claims) for task in tasks_of(told)]
+    text = f"{plan}{inspect.getsource(engine)}"
+    return Sound(BUILD / f"sound-{hashlib.sha256(text.encode()).hexdigest()[:12]}.jsonl")
 
 
 def kept() -> dict[str, dict[str, Any]]:
@@ -148,8 +166,9 @@ def report() -> None:
         "",
         "`first` is the claim that must catch it: on the case named beside it no lower promise is "
         "broken. The suite judges that case again for every fault. The last column comes from the "
-        f"whole plan: the claims that failed, with the number of cases, for the {len(whole)} "
-        "faults on which `make faults` has run it so far. Claims in italics were not promised.",
+        f"whole plan: the claims that failed, with the number of cases ({MOST} where it is no "
+        f"less), for the {len(whole)} faults on which `make faults` has run it so far. Claims in "
+        "italics were not promised.",
         "",
         "| fault | what is wrong | first | on | the whole plan |",
         "| --- | --- | --- | --- | --- |",

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from
-from isograde.model import Verdict
+from isograde.model import BAD, Verdict
 from isograde.runner import Task, Worker, claims_for
 from isoref import Mesh, extract
 
 from tests.isograde import test_claims_calls
+from tests.isograde.faults import matrix, sharing
 from tests.isograde.faults.catching import broken, rank, tasks_of, worker_of
 from tests.isograde.faults.engine import Engine
 from tests.isograde.faults.histories import Trilinear
@@ -100,3 +103,25 @@ def test_the_sound_engine_passes_where_faults_are_caught(case: str) -> None:
     fine = {Verdict.PASS, Verdict.SKIP, Verdict.UNSUPPORTED}
     assert {name: one for name, one in verdicts.items() if one not in fine} == {}
     assert Verdict.PASS in verdicts.values()
+
+
+@pytest.mark.parametrize("name", ["row-short", "zero-is-halfway"])
+def test_verdicts_that_are_shared_are_those_that_are_judged(name: str, tmp_path: Path) -> None:
+    """`sharing`: where the fault answers as the sound engine does, and where it does not."""
+    sound, worker = sharing.Sound(tmp_path / "sound.jsonl"), worker_of(FAULTS[name])
+    shared = 0
+    for case in ("cells/outside/001", "ties/point", "pairs/3951", "noise/white-7x5x6"):
+        task = next(task for task in tasks_of(worker) if task.case == case)
+        asked = [one for one in task.claims if not one.startswith(("symmetry.", "range."))]
+        found = sharing.verdicts(worker, task, sound, asked)
+        shared += found.pop("shared", 0)
+        judged = worker.judge(Task(case, tuple(asked))).findings
+        assert set(found) == {claim for claim, one in judged.items() if one.verdict in BAD}
+    assert shared > 20
+    assert set(sharing.Sound(tmp_path / "sound.jsonl").known) == set(sound.known)
+
+
+def test_a_fault_of_another_family_shares_nothing() -> None:
+    """Its verdicts hang on what it declares."""
+    assert matrix.sound_for(worker_of(FAULTS["row-short"])) is not None
+    assert matrix.sound_for(worker_of(FAULTS["duals-of-nielson"])) is None

@@ -48,7 +48,10 @@ def to_house(
         vertices = _house_vertices(vertices, request.field, conventions, placed)
     if simplices.ndim == 2 and simplices.shape[1] > 1 and _turns(conventions, request.kind):
         simplices = simplices[:, [*range(simplices.shape[1] - 2), -1, -2]]
-    return replace(outcome, vertices=vertices, simplices=simplices)
+    normals = outcome.normals
+    if normals is not None:
+        normals = _house_normals(normals, request.field, conventions)
+    return replace(outcome, vertices=vertices, simplices=simplices, normals=normals)
 
 
 def _house_vertices(
@@ -62,6 +65,15 @@ def _house_vertices(
     if any(field.origin) and not (placed and conventions.units == "world"):
         vertices = vertices + np.asarray(field.origin)
     return vertices
+
+
+def _house_normals(
+    normals: NDArray[Any], field: Field, conventions: Conventions
+) -> NDArray[Any]:
+    """Normals in the order of the array's axes; those of a place in samples, in the world's."""
+    if conventions.axes == "reversed":
+        normals = normals[:, ::-1]
+    return normals / np.asarray(field.spacing) if conventions.units == "index" else normals
 
 
 def is_reflection(conventions: Conventions, n: int) -> bool:

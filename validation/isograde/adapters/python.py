@@ -92,15 +92,16 @@ def _outcome(said: Header, arrays: Arrays) -> Outcome:
     """
     try:
         status, seconds, peak = Status(said["status"]), float(said["seconds"]), int(said["peak"])
-        vertices, simplices = arrays or (None, None)
+        vertices, simplices, normals = [*arrays, None, None, None][:3]
     except (KeyError, ValueError, TypeError, OverflowError) as error:
         raise Ended(Status.GARBAGE, f"the worker's answer is none: {error!r}") from error
     numbers = all(array.dtype.kind in "biuf" for array in arrays)
-    if not numbers or (status is Status.OK) != bool(arrays):
+    if not numbers or (status is Status.OK) != (len(arrays) in (2, 3)):
         raise Ended(Status.GARBAGE, "the worker's answer is none: no two arrays of numbers")
     cost = {"seconds": max(0.0, seconds) if math.isfinite(seconds) else 0.0, "peak_bytes": peak}
     changed = bool(said.get("changed"))
-    return Outcome(status, vertices, simplices, str(said.get("detail", "")), changed, **cost)  # type: ignore[arg-type]
+    told = str(said.get("detail", ""))
+    return Outcome(status, vertices, simplices, told, changed, normals=normals, **cost)  # type: ignore[arg-type]
 
 
 def _strides(values: NDArray[Any]) -> Sequence[int]:

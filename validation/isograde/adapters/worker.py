@@ -14,7 +14,7 @@ run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "writea
         "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples; where they are
         samples of a known function, that one too, pickled: "function". Answered by the same ``id``
         with ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}`` and, where
-        the status is "ok", vertices and simplices
+        the status is "ok", vertices, simplices and, where they came, normals
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isograde.adapters.exchange import FULL
-from isograde.adapters.forms import AnswerError, arrays_from
+from isograde.adapters.forms import AnswerError, arrays_from, normals_in
 from isograde.adapters.frames import Arrays, Header, pack, unpack
 from isograde.adapters.loading import Call, load
 from isograde.adapters.texts import SENT, clean
@@ -214,7 +214,9 @@ class Asked:
 
     def arrays(self, answer: object) -> Arrays:
         """The arrays in an answer; raises `AnswerError`."""
-        return list(arrays_from(answer, self.kind))
+        normals = normals_in(answer, self.kind)
+        found = list(arrays_from(answer, self.kind))
+        return found if normals is None else [*found, np.ascontiguousarray(normals)]
 
     @property
     def another(self) -> NDArray[Any]:

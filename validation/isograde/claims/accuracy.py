@@ -22,7 +22,15 @@ import numpy as np
 
 from isograde.cases.accuracy import Body, row
 from isograde.claims.curves import on_edges
-from isograde.claims.evidence import complex_of, failed, on_mesh, passed, remembered, skipped
+from isograde.claims.evidence import (
+    complex_of,
+    failed,
+    lattice_of,
+    on_mesh,
+    passed,
+    remembered,
+    skipped,
+)
 from isograde.declaration import Declaration
 from isograde.model import SURFACES, Claim, Finding, Kind, Trial, every_family, every_kind
 from isograde.oracles.complexes import Complex
@@ -119,13 +127,21 @@ def converges(
     order_due = of_labels if trial.declaration.interpolant == "labels" else formal
     h = [1 / piece.body.scale for piece in found]
     errors = [error(piece) for piece in found]
+    more = also(found[-1].mesh) if also and trial.kind == SURFACES else {}
+    return _in_order(h, errors, order_due, more)
+
+
+def _in_order(
+    h: list[float], errors: list[float], order_due: float, more: dict[str, float]
+) -> Finding:
+    """Pass when the order of these errors is not below the formal one; `more` is shown beside."""
     order = observed_order(h, errors)
     numbers = {
         "order": round(order.value, 3),
         "interval": [round(order.low, 3), round(order.high, 3)],
         "formal": order_due,
         "finest_error": errors[-1],
-        **(also(found[-1].mesh) if also and trial.kind == SURFACES else {}),
+        **more,
     }
     if order.high >= order_due - SLACK:
         return passed(**numbers)
@@ -135,6 +151,36 @@ def converges(
         f"h = {h[-1]:.2g}",
         **numbers,
     )
+
+
+def returned(trial: Trial) -> Finding:
+    """Pass when the normals that came with the vertices approach those of the body.
+
+    They may point to high values or to low, all of them alike.
+    """
+    normals = trial.plain.normals
+    if normals is None or trial.mesh.vertices.shape != normals.shape:
+        return skipped("no normals came with the vertices")
+    if "row" not in trial.case.facts:
+        return skipped("a part of the case has no whole row of bodies")
+    bodies, _ = row(trial.case.facts["row"])
+    used = np.unique(trial.mesh.simplices)
+    points = lattice_of(trial).index(trial.mesh.vertices[used])
+    length = np.linalg.norm(normals[used], axis=1)
+    if not (np.isfinite(length).all() and (length > 0).all()):
+        return failed("a normal has no length, or is not finite")
+    nearest = np.argmin([np.abs(body.distance(points)) for body in bodies], axis=0)
+    cosines = np.zeros(len(used))
+    for number, body in enumerate(bodies):
+        here = nearest == number
+        if not here.any():
+            return skipped("a body is missing: see the claims on bodies")
+        right = body.normals(points[here])[:, 0]
+        cosines[here] = (normals[used][here] * right).sum(axis=1) / length[here]
+    side = 1.0 if np.median(cosines) > 0 else -1.0
+    angle = np.arccos(np.clip(side * cosines, -1, 1))
+    errors = [float(np.sqrt((angle[nearest == n] ** 2).mean())) for n in range(len(bodies))]
+    return _in_order([1 / body.scale for body in bodies], errors, 1.0, {})
 
 
 def thinness(mesh: Complex) -> dict[str, float]:
@@ -243,5 +289,17 @@ CLAIMS = (
         lambda piece: piece.bend,
         is_surface,
         on_edges,
+    ),
+    Claim(
+        "accuracy.normals_returned",
+        "Where normals come with the vertices, their angle to the body's shrinks at least with "
+        f"order 1 as a smooth body is sampled more finely, to within {SLACK:g} of the 95 % "
+        "confidence interval; all of them point to high values, or all to low.",
+        ETIENE,
+        None,
+        on_mesh(returned),
+        kinds=is_surface,
+        tags=frozenset({"accuracy"}),
+        promised=False,
     ),
 )

@@ -459,6 +459,45 @@ def met(lattice: Lattice, mesh: Complex) -> Floats:
     return np.concatenate(found)
 
 
+# Cosine of the angle up to which normals are the same: those of single precision are within it.
+TURNED = 0.999
+
+
+def normals_of_stretched(trial: Trial) -> Finding:
+    """Pass when the normals that came at an uneven spacing are those of the stretched surface."""
+    posed, other = variants.pose("spacing", trial.case, trial.field), trial.outcomes.get("spacing")
+    if posed is None or other is None or other.status is not Status.OK:
+        return skipped("it was not asked at another spacing")
+    lattice, mesh = lattice_of(trial), other.mesh_of(trial.kind)
+    if trial.plain.normals is None or other.normals is None:
+        return skipped("no normals came with the vertices")
+    if mesh is None or mesh.vertices.shape != trial.mesh.vertices.shape:
+        return skipped("other vertices came: see symmetry.spacing")
+    # Keep the vertices that are where they were, and are not beside a tied sample.
+    factors = np.divide(posed[0].spacing, trial.field.spacing)
+    away = np.abs(mesh.vertices / factors - trial.mesh.vertices).max(axis=1)
+    used = np.unique(trial.mesh.simplices)
+    used = used[away[used] <= NEAR * lattice.tolerance]
+    points = lattice.index(trial.mesh.vertices[used])
+    used, points = (part[~lattice.beside_tie(points)] for part in (used, points))
+    if not len(used):
+        return skipped("no vertex is where it was, or all are beside tied samples")
+    # A surface that is stretched has normals that are shrunk.
+    wanted, found = trial.plain.normals[used] / factors, other.normals[used].astype(np.float64)
+    sizes = np.linalg.norm(wanted, axis=1) * np.linalg.norm(found, axis=1)
+    cosine = (wanted * found).sum(axis=1) / np.maximum(sizes, 1e-300)
+    bad = np.flatnonzero(~(cosine >= TURNED))
+    if not len(bad):
+        return passed(normals=len(used))
+    worst = np.degrees(np.arccos(np.clip(np.nanmin(cosine), -1, 1)))
+    return failed(
+        f"spacing: {len(bad)} of {len(used)} normals are not those of the stretched surface, the "
+        f"first at index {place(points[bad[0]])}; the worst is off by {worst:.0f} degrees",
+        variant="spacing",
+        wrong=len(bad),
+    )
+
+
 # --- what may be asked ---------------------------------------------------------------------------
 
 
@@ -607,5 +646,17 @@ CLAIMS = (
         same_simplices,
         tuple(variants.TYPES),
         given_samples,
+    ),
+    Claim(
+        "symmetry.normals_returned",
+        "Where normals come with the vertices, those at an uneven spacing are normals of the "
+        "stretched surface.",
+        DESIGN,
+        None,
+        on_mesh(normals_of_stretched),
+        kinds=lambda kind: kind == SURFACES,
+        families=not_own,
+        variants=("spacing",),
+        promised=False,
     ),
 )
