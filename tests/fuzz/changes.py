@@ -14,6 +14,7 @@ import json
 import random
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?")
@@ -48,7 +49,9 @@ def made(seeds: Sequence[bytes], name: str, number: int) -> bytes:
     if chance.random() < 0.5 and (tree := _tree(data)) is not None:
         for _ in range(chance.choice((1, 1, 2, 3))):
             tree = other(tree, chance)
-        data = json.dumps(tree, ensure_ascii=chance.random() < 0.5).encode("utf-8", "surrogatepass")
+        plain = chance.random() < 0.5
+        with suppress(RecursionError):  # A nest in a nest, deeper than can be written.
+            data = json.dumps(tree, ensure_ascii=plain).encode("utf-8", "surrogatepass")
         if chance.random() < 0.8:
             return data
     for _ in range(chance.choice((1, 1, 1, 2, 3, 5))):

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ from tests.isograde.judging import verdicts as judged
 
 CASES = {case.id: case for case in fields.cases()}
 QUICK = [name for name, case in CASES.items() if "full" not in case.tags]
-CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS}
+RETURNED = "accuracy.normals_returned"
+CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS if claim.id != RETURNED}
 CUBES = Declaration("here", level=4)
 KUHN = Declaration("here", interpolant="tetrahedra")
 
@@ -250,3 +252,28 @@ def test_shapes_are_those_of_trimesh() -> None:
     thin = np.array([[0, 0, 0], [1, 0, 0], [1, 0.01, 0]])
     both = Complex.of(np.concatenate([thin, np.eye(3)]), np.arange(6).reshape(2, 3))
     assert shapes(both).thin == 0.5
+
+
+def with_normals(turned: Callable[[Floats], Floats]) -> Verdict:
+    """What is said of the reference's row of spheres with normals of their own, changed."""
+    made = trial(CASES["accuracy/sphere"])
+    bodies, _ = fields.row(made.case.facts["row"])
+    points = made.mesh.vertices
+    nearest = np.argmin([np.abs(body.distance(points)) for body in bodies], axis=0)
+    normals = np.stack([body.normals(points)[:, 0] for body in bodies])
+    right = turned(np.asarray(normals[nearest, np.arange(len(points))]))
+    plain = replace(made.plain, normals=right)
+    claim = next(claim for claim in accuracy.CLAIMS if claim.id == RETURNED)
+    return claim.judge(replace(made, outcomes={"plain": plain})).verdict
+
+
+def test_normals_that_come_with_the_vertices_are_judged() -> None:
+    """Of "accuracy.normals_returned": either side up, all alike, and finite."""
+    tilt = np.array([0.2, -0.1, 0.1])
+    assert with_normals(lambda n: n + 1e-4 * tilt) is Verdict.PASS
+    assert with_normals(lambda n: -3 * n + 1e-4 * tilt) is Verdict.PASS
+    assert with_normals(lambda n: n + tilt) is Verdict.FAIL
+    assert with_normals(lambda n: np.where(n[:, :1] > 0, n, -n)) is Verdict.FAIL
+    assert with_normals(lambda n: n * np.nan) is Verdict.FAIL
+    assert CLAIMS
+    assert trial(CASES["accuracy/sphere"]).plain.normals is None

@@ -90,7 +90,7 @@ def test_every_form_is_read(answer: Any, kind: Kind, rows: list[list[int]]) -> N
         ([SQUARE, "ab"], CURVES, "polyline 1 .* not real numbers"),
         (SQUARE, CURVES, r"neither a pair .* nor a soup \(S, 2, 3\)"),
         (SQUARE.reshape(2, 2, 3), SURFACES, r"an array of shape \(2, 2, 3\)"),
-        ((SQUARE, [[0, 1, 2]], SQUARE, None), SURFACES, "cannot be made an array"),
+        ((SQUARE, [[0, 1, 2]], [[0, 1]], None), SURFACES, "cannot be made an array"),
     ],
 )
 def test_a_fault_of_a_form_is_named(answer: Any, kind: Kind, words: str) -> None:

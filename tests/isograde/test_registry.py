@@ -42,6 +42,8 @@ BY_TEST = {
     "topology.scan": "test_scan",
     "range.scale": "test_ranges",
     "range.shift": "test_ranges",
+    "accuracy.normals_returned": "test_accuracy",
+    "symmetry.normals_returned": "test_symmetry",
     "range.digits": "test_ranges",
     "range.extremes": "test_ranges",
     "robustness.elsewhere": "test_robustness",

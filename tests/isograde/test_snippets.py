@@ -43,7 +43,10 @@ PAIRS = ("curves/noise-small", "curves/noise")
 # Claims of which there are no lines: conventions, of which the page says so in a sentence.
 WITHOUT = {"robustness.nan", "robustness.bad_input"}
 # Those that take more than a few lines to show, of which the page says that.
-LONGER = {"robustness.elsewhere", "topology.tie_side"}
+LONGER = {
+    "robustness.elsewhere", "topology.tie_side", "accuracy.normals_returned",
+    "symmetry.normals_returned",
+}  # fmt: skip
 
 
 @pytest.fixture(autouse=True)

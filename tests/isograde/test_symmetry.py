@@ -172,3 +172,17 @@ def test_the_oracle_finds_one_simplex_moved_turned_or_lost() -> None:
     moved = points.copy()
     moved[rows[0, 0]] += 1e-3
     assert len(overlay.lonely(points, moved, 1e-6)[0]) == 1
+
+
+def test_normals_that_come_know_the_spacing() -> None:
+    """Of "symmetry.normals_returned": a surface that is stretched has normals that are shrunk."""
+    from tests.isograde.faults.histories import Normals, NormalsOfSamples
+
+    asked = [all_cases()["noise/white-5x6x7"]]
+    said = {
+        made: verdicts(made(), Declaration("normals"), asked, "symmetry.normals")
+        for made in (Normals, NormalsOfSamples)
+    }
+    claim = "symmetry.normals_returned"
+    assert list(said[Normals][claim]) == [Verdict.PASS]
+    assert list(said[NormalsOfSamples][claim]) == [Verdict.FAIL]

@@ -27,6 +27,7 @@ from isoref.cube import (
 )
 from isoref.cycles import cycles, fan, triangulate
 from isoref.rule import Average, Tile
+from scipy.ndimage import map_coordinates
 
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
 from tests.isograde.faults.registry import fault
@@ -839,6 +840,44 @@ class SingleDifferences(Engine):
         """Samples minus the isovalue, rounded."""
         with np.errstate(over="ignore"):
             return super().relative(samples, alpha).astype(np.float32).astype(np.float64)
+
+
+class Normals(Trilinear):
+    """Normals come with the vertices, by central differences."""
+
+    def __call__(self, values: Any, isovalue: float, spacing: Spacing) -> Any:
+        """Vertices, triangles and normals."""
+        vertices, triangles = super().__call__(values, isovalue, spacing)
+        if not len(vertices):
+            return vertices, triangles
+        index: Any = vertices / np.asarray(spacing)
+        gradient: Any = np.gradient(np.asarray(values, np.float64))
+        at = [map_coordinates(part, index.T, order=1) for part in gradient]
+        return vertices, triangles, self.turned(-np.stack(at, axis=1), spacing)
+
+    def turned(self, normals: Array, spacing: Spacing) -> Array:
+        """The normals in the world's units."""
+        made = normals / np.asarray(spacing)
+        return np.asarray(made / np.maximum(np.linalg.norm(made, axis=1), 1e-300)[:, None])
+
+
+@fault("symmetry.normals_returned", promised=["symmetry.normals_returned"])
+class NormalsOfSamples(Normals):
+    """Normals come in units of samples, whatever the spacing."""
+
+    def turned(self, normals: Array, spacing: Spacing) -> Array:
+        """The normals, their spacing forgotten."""
+        return super().turned(normals, (1.0, 1.0, 1.0))
+
+
+@fault("accuracy.normals_returned", promised=["accuracy.normals_returned"])
+class NormalsUpwards(Normals):
+    """Normals come with the vertices, and where they point down they are turned over."""
+
+    def turned(self, normals: Array, spacing: Spacing) -> Array:
+        """The normals, none of which points down."""
+        made = super().turned(normals, spacing)
+        return np.where(made[:, 2:] < 0, -made, made)
 
 
 @fault("accuracy.normal", level=1, not_promised=["accuracy.position", "accuracy.distance"])

@@ -38,7 +38,7 @@ def digest(outcome: Outcome) -> str:
     """What all that claims see of an outcome comes to."""
     total = hashlib.blake2b(digest_size=12)
     total.update(f"{outcome.status}{outcome.input_changed}{outcome.detail}".encode())
-    for array in (outcome.vertices, outcome.simplices):
+    for array in (outcome.vertices, outcome.simplices, outcome.normals):
         if array is not None:
             total.update(f"{array.dtype.str}{array.shape}".encode() + array.tobytes())
     return total.hexdigest()

@@ -67,9 +67,7 @@ def _house_vertices(
     return vertices
 
 
-def _house_normals(
-    normals: NDArray[Any], field: Field, conventions: Conventions
-) -> NDArray[Any]:
+def _house_normals(normals: NDArray[Any], field: Field, conventions: Conventions) -> NDArray[Any]:
     """Normals in the order of the array's axes; those of a place in samples, in the world's."""
     if conventions.axes == "reversed":
         normals = normals[:, ::-1]

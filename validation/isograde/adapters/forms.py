@@ -3,6 +3,8 @@
 Of a kind (n, m) an answer has simplices of dimension k = n - m in n dimensions. It may be
 
 a pair            ``(vertices, simplices)``, a tuple: (V, n) numbers and (S, k + 1) 0-based indices
+with normals      for k = 2, ``(vertices, simplices, normals)``, and whatever comes after: a
+                  normal for each vertex, as scikit-image returns them
 polygons          for k = 2, the pair with rows of p > 3 corners, those with fewer filled up with
                   -1 at their end, or a list of rows of different lengths
 polylines         for k = 1, a list of (N, n) arrays; a closed one repeats its first point
@@ -54,6 +56,9 @@ def arrays_from(answer: object, kind: Kind) -> Arrays:
     isograde.adapters.forms.AnswerError: returned str, not vertices and simplices
     """
     parts = tried("the answer", lambda: _parts(answer))
+    if parts is None and normals_in(answer, kind) is not None:
+        assert isinstance(answer, tuple)
+        parts = answer[0], answer[1]
     if parts is not None:
         return from_pair(parts[0], parts[1], kind)
     if isinstance(answer, list | tuple):
@@ -65,6 +70,26 @@ def arrays_from(answer: object, kind: Kind) -> Arrays:
     if isinstance(answer, np.ndarray):
         return from_array(_numbers("the answer", answer), kind, "an array")
     raise AnswerError(f"returned {_told(answer)}, not vertices and simplices")
+
+
+def normals_in(answer: object, kind: Kind) -> NDArray[Any] | None:
+    """(V, n) the normals that an answer has beside vertices and simplices; None where it has none.
+
+    >>> normals_in((np.zeros((3, 3)), np.array([[0, 1, 2]]), np.ones((3, 3))), Kind(3, 1)).shape
+    (3, 3)
+    >>> normals_in((np.zeros((3, 3)), np.zeros((3, 3)), np.ones((3, 3))), Kind(3, 1)) is None
+    True
+    """
+    if not isinstance(answer, tuple) or len(answer) < 3 or kind.k != 2:
+        return None
+    try:
+        points, rows, normals = (np.asarray(part) for part in answer[:3])
+    except Exception:  # noqa: BLE001 - what is no array is told of where the answer is read
+        return None
+    shaped = points.ndim == rows.ndim == 2 and normals.shape == points.shape
+    # Three triangles with corners of their own are no normals.
+    typed = points.dtype.kind == normals.dtype.kind == "f" and rows.dtype.kind in "iu"
+    return normals if shaped and typed else None
 
 
 def _parts(answer: Any) -> tuple[Any, Any] | None:

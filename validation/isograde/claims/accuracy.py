@@ -39,6 +39,8 @@ from isograde.oracles.shapes import shapes
 from isograde.oracles.trilinear_distance import distance
 
 SLACK = 0.15
+# Normals within this angle of the body's, in radians, are taken for exact.
+EXACT = 1e-3
 # The middle of a triangle and of each side.
 PROBES = np.array([[2, 2, 2], [3, 3, 0], [0, 3, 3], [3, 0, 3]]) / 6
 ETIENE = "Etiene and others 2009, section 4: observed order against the formal one"
@@ -180,6 +182,8 @@ def returned(trial: Trial) -> Finding:
     side = 1.0 if np.median(cosines) > 0 else -1.0
     angle = np.arccos(np.clip(side * cosines, -1, 1))
     errors = [float(np.sqrt((angle[nearest == n] ** 2).mean())) for n in range(len(bodies))]
+    if max(errors) < EXACT:  # What a function's gradient gives does not shrink.
+        return passed(finest_error=errors[-1])
     return _in_order([1 / body.scale for body in bodies], errors, 1.0, {})
 
 

@@ -479,7 +479,8 @@ def normals_of_stretched(trial: Trial) -> Finding:
     used = np.unique(trial.mesh.simplices)
     used = used[away[used] <= NEAR * lattice.tolerance]
     points = lattice.index(trial.mesh.vertices[used])
-    used, points = (part[~lattice.beside_tie(points)] for part in (used, points))
+    clear = ~lattice.beside_tie(points)
+    used, points = used[clear], points[clear]
     if not len(used):
         return skipped("no vertex is where it was, or all are beside tied samples")
     # A surface that is stretched has normals that are shrunk.
