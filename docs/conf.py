@@ -19,6 +19,8 @@ for folder in (
 ):
     sys.path.insert(0, str(folder))
 
+from isosite.notebooks import INSTALL  # noqa: E402 - behind the paths
+
 project = "isograde"
 author = "the isograde authors"
 copyright = "2026, the isograde authors"
@@ -89,6 +91,7 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "show_signature": False,
     "write_computation_times": False,
+    "first_notebook_cell": INSTALL,
 }
 
 linkcheck_anchors = False

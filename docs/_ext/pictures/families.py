@@ -167,6 +167,7 @@ def _nets() -> Picture:
         crowded = [mesh.vertices[sorted(e)] for e, n in sides.items() if n > 2]
         numbers.append((len(crowded), len(mesh.vertices)))
         surface(axis, mesh, alpha=0.85)
+        axis.computed_zorder = False  # the edge is drawn over the faces that hide it
         lines(axis, crowded, RED, 3.5)
         bare(axis, (0.4, 0.4, 0.4), (2.6, 2.6, 1.6), name, view=(38, -60))
     return Picture(
