@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults fuzz mutation proof papers benchmarks reports league catalogue packages site linkcheck slides clean
+.PHONY: explorer help grade test quick lint correct faults fuzz mutation proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -26,6 +26,7 @@ help:
 	@echo "make catalogue   write what isograde list shows, after a change of claims or cases"
 	@echo "make packages    wheel and sdist into dist, checked by twine"
 	@echo "make site        the site, in docs/_build; opens from disk"
+	@echo "make lite        JupyterLite with the site's notebooks, in docs/_build/lite"
 	@echo "make linkcheck   the site's links to other places; says which cannot be reached"
 	@echo "make slides      the films of the course and its slides, in docs/_build/slides"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
@@ -101,6 +102,13 @@ site: $(STAMP)
 linkcheck: $(STAMP)
 	$(BIN)/python -m sphinx -q -b linkcheck -D plot_gallery=0 docs docs/_build/linkcheck || true
 	$(BIN)/python docs/_ext/isosite/links.py --elsewhere docs/_build/linkcheck
+
+# Behind `make site`: its notebooks and this project's wheel, for a browser that fetches NumPy itself.
+lite: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[lite]"
+	rm -rf docs/_build/lite docs/_build/wheel
+	$(BIN)/python -m build --wheel --outdir docs/_build/wheel
+	cd docs/lite && ../../$(BIN)/jupyter lite build
 
 # One page that opens from disk; the films are those of the lessons.
 slides: $(STAMP)

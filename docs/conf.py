@@ -56,7 +56,7 @@ html_theme_options = {
     "navbar_start": ["navbar-logo"],
     "navbar_end": ["theme-switcher"],
     "navbar_persistent": ["search-button"],
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 9,
     "navigation_depth": 3,
     "show_nav_level": 1,
     "show_toc_level": 2,

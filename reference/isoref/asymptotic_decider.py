@@ -8,12 +8,17 @@ samples bilinearly and ask which points the interpolant's own contour joins.
 
 ::
 
-      B01 ------- B11       B(s, t) = B00 (1-s) (1-t) + B10 s (1-t) + B01 (1-s) t + B11 s t
+      B01 ------- B11
        |     :     |
-     t |. . .+. . .|        The contour B = alpha is a hyperbola. Its asymptotes s = S and t = T
-       |     :     |        meet in the saddle, and the value there tells in which of the four
-      B00 ------- B10       quarters its two branches lie (Figs. 5 to 7 of [1]).
+     t |. . .+. . .|        + the saddle, where the asymptotes cross
+       |     :     |
+      B00 ------- B10
              s
+
+    B(s, t) = B00 (1-s) (1-t) + B10 s (1-t) + B01 (1-s) t + B11 s t
+
+The contour B = alpha is a hyperbola. Its asymptotes s = S and t = T meet in the saddle, and the
+value there tells in which of the four quarters its two branches lie (Figs. 5 to 7 of [1]).
 
 The module follows the paper. Section 2: the interpolant, its saddle, the decision. Section 3: the
 variants each configuration has, their boundary polygons (`isoref.cycles`) and the point inside the

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import nbformat
 import pytest
 from isosite import links
 
@@ -40,10 +43,26 @@ def test_the_site_builds_without_a_warning_and_its_links_lead_somewhere(tmp_path
     assert "test_asymptotic_decider.html#" in article, "links to tests"
     assert "claims.html#claim-topology-bilinear" in article, "links to claims"
     assert "https://doi.org/10.1109/VISUAL.1991.175782" in article
+    lessons = sorted((out / "_downloads" / "notebooks").glob("lesson_*.ipynb"))
+    assert len(lessons) == len(list((ROOT / "docs" / "course").glob("lesson_*.rst"))) > 0
+    programs = list((out / "_downloads").glob("*/plot_*.ipynb"))
+    assert len(programs) == len(list((ROOT / "docs" / "examples").glob("plot_*.py")))
+    for path in (*lessons, *programs):
+        nbformat.validate(nbformat.read(path, as_version=4))
+    for path in lessons:
+        run(nbformat.read(path, as_version=4))
     # Nothing is fetched when a page is opened.
     for page in (out / "index.html", out / "articles" / "isoref" / "isoref.cube.html"):
         assert 'src="http' not in page.read_text(encoding="utf-8")
         assert 'rel="stylesheet" href="http' not in page.read_text(encoding="utf-8")
+
+
+def run(notebook: Any) -> None:
+    """Run the cells one after the other, but for what only a shell or IPython understands."""
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for cell in notebook.cells:
+        if cell.cell_type == "code" and not re.search(r"^\s*[!%]", cell.source, re.MULTILINE):
+            exec(compile(cell.source, "cell", "exec"), names)
 
 
 def test_a_link_that_leads_nowhere_is_told(tmp_path: Path) -> None:

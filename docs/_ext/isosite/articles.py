@@ -102,9 +102,7 @@ def article(module: Module, pictures: dict[str, str]) -> str:
             begun = True
             continue
         if not begun:
-            text += heading(
-                "Before it begins" if banners else "The code", "-", f"{module.name}.the-code"
-            )
+            text += heading("Imports" if banners else "The code", "-", f"{module.name}.the-code")
             begun = True
         if part.kind == "statements":
             anchors = "".join(

@@ -150,7 +150,7 @@ def pair(cell: list[float]) -> bytes:
         corners(axis, values)
         bare(axis, (0, 0, 0), (1, 1, 1), name, view=(18, -32))
     data = io.BytesIO()
-    figure.savefig(data, format="png", dpi=150, metadata={"Software": None})
+    figure.savefig(data, format="png", dpi=150, bbox_inches="tight", pad_inches=0.06)
     return data.getvalue()
 
 

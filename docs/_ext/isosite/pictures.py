@@ -37,7 +37,9 @@ def draw_all(pages: Pages) -> dict[str, str]:
         if not (fresh and pages.has(png) and pages.has(txt)):
             picture = draw()
             data = io.BytesIO()
-            picture.figure.savefig(data, format="png", dpi=150, metadata={"Software": None})
+            picture.figure.savefig(
+                data, format="png", dpi=150, bbox_inches="tight", pad_inches=0.06
+            )
             pages.put(png, data.getvalue())
             pages.put(txt, picture.caption)
         caption = Path(pages.folder, txt).read_text(encoding="utf-8")

@@ -47,7 +47,7 @@ def paths() -> Picture:
     table = staircase(p, q)
     figure, axes = panels(len(table), 1.3, 1.5, space=False)
     for axis, row in zip(axes, table.tolist(), strict=True):
-        steps = np.array([divmod(v, q) if np.isscalar(v) else v for v in row])
+        steps = np.array([divmod(int(v), q) if isinstance(v, int) else v for v in row])
         axis.plot(*np.array([(i, j) for i in range(p) for j in range(q)]).T, ".", color="#b8c2ca")
         axis.plot(*steps.T, "o-", color=RED, linewidth=2, markersize=4)
         flat(axis)
