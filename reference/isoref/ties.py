@@ -186,7 +186,8 @@ def _followed(mesh: Mesh, places: Floats) -> Floats:
     inside = mesh.traced().ends[:, 1] < 0
     if not inside.any():
         return places
-    edges = np.unique(mesh.simplices[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=0)
+    rows = mesh.simplices[inside[mesh.simplices].any(axis=1)]
+    edges = rows[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
     start, stop = edges[inside[edges[:, 0]]].T
     free = inside.copy()
@@ -207,7 +208,7 @@ def _wrong(mesh: Mesh, target: Integers, label: Integers) -> Integers:
         _repeated(rows),
         _together(mesh, rows),
         _wrong_edges(mesh, target, label, touched),
-        _wrong_vertices(mesh, target, label, rows),
+        _wrong_vertices(target, label, touched, rows),
     )
     return np.concatenate([vertices.ravel() for vertices in wrong])
 
@@ -270,12 +271,14 @@ def _wrong_edges(mesh: Mesh, target: Integers, label: Integers, touched: Integer
     return np.asarray(edges[at_label & (crossed | (strip != 1) | (on_it < 1) | (on_it > 2))])
 
 
-def _wrong_vertices(mesh: Mesh, target: Integers, label: Integers, rows: Integers) -> Integers:
+def _wrong_vertices(
+    target: Integers, label: Integers, touched: Integers, rows: Integers
+) -> Integers:
     """The labelled vertices that stand for no disc, or have not one fan."""
     # V - E + F of each group: a triangle, edge or vertex is in it when all its corners are.
     euler = np.bincount(target[label >= 0], minlength=len(target))
-    edges = np.sort(mesh.simplices[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    for simplices, sign in ((np.unique(edges, axis=0), -1), (mesh.simplices, 1)):
+    edges = np.sort(touched[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    for simplices, sign in ((np.unique(edges, axis=0), -1), (touched, 1)):
         images = target[simplices]
         within = (images == images[:, :1]).all(axis=1)
         euler += sign * np.bincount(images[within, 0], minlength=len(target))
