@@ -53,9 +53,6 @@ def __dir__() -> list[str]:
 
 def _version() -> str:
     """The installed version, or "source" where the code is used without being installed."""
-    from importlib.metadata import PackageNotFoundError, version
+    from isograde.installed import version_of
 
-    try:
-        return version("isograde")
-    except PackageNotFoundError:
-        return "source"
+    return version_of("isograde") or "source"

@@ -5,8 +5,7 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections import Counter
-from collections.abc import Iterable
-from functools import cache
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from rich.table import Table
 from isograde import places
 from isograde.catalogue import read
 from isograde.commands.console import Exit, console, stop
+from isograde.installed import version_of
 
 if TYPE_CHECKING:
     from isograde.model import Claim
@@ -62,26 +62,22 @@ def implementations() -> None:
     """Print a row a ready-made name."""
     table = _table("implementation", "package", "kinds", "promises", "notes", whole=2)
     for name, distribution, modules, kinds, level, notes in read()["implementations"]:
-        package = f"{distribution} {_installed(distribution, tuple(modules))}"
+        package = f"{distribution} {_installed(distribution, modules)}"
         table.add_row(name, package, kinds, level, escape(notes))
     console.print(table)
 
 
-@cache
-def _installed(distribution: str, modules: tuple[str, ...]) -> str:
+def _installed(distribution: str, modules: Sequence[str]) -> str:
     """The installed version of a package, "not installed", or "source" where it is used as it is.
 
-    >>> _installed("no-such-thing", ("no_such_thing.inner",))
+    >>> _installed("no-such-thing", ["no_such_thing.inner"])
     'not installed'
     """
-    from importlib.metadata import PackageNotFoundError, version  # Here: no other list needs it.
-
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        # Do not import: ask for the package of each module only.
-        there = all(find_spec(one.partition(".")[0]) is not None for one in modules)
-        return "source" if there else "not installed"
+    if (version := version_of(distribution)) is not None:
+        return version
+    # Do not import: ask for the package of each module only.
+    there = all(find_spec(one.partition(".")[0]) is not None for one in modules)
+    return "source" if there else "not installed"
 
 
 def levels() -> None:
