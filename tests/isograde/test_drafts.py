@@ -13,11 +13,12 @@ from typing import Any
 import pytest
 from isograde import grading
 from isograde.cases import PLAN
+from isograde.declaration import declaration_from
 from isograde.drafts import Busy, Draft, NotResumed, fingerprint, unfinished
 from isograde.grading import INTERRUPTED, Manner, grade, place_of
 from isograde.report import reading
 from isograde.report.lines import lines
-from isograde.runner import Options, Task
+from isograde.runner import Options, Task, cases_for, claims_for, plan
 
 HEADER = {"record": "header", "format": 2, "seed": 0}
 SPEC = "isoref:asymptotic-decider"
@@ -246,7 +247,19 @@ def test_a_budget_is_kept_by_what_is_made_of_failures_too(
 
 def test_a_part_within_a_budget_is_of_every_family() -> None:
     tasks = [Task(f"{family}/{n}", ()) for family in "abc" for n in range(3)]
-    assert [one.case for one in grading.spread(tasks)[:3]] == ["a/0", "b/0", "c/0"]
+    assert [one.case for one in grading.spread(tasks, lambda _: 1)[:3]] == ["a/0", "b/0", "c/0"]
+
+
+def test_a_budget_is_not_spent_on_large_cases_first() -> None:
+    """A new user's 25 seconds judged 6 cases of 1,785, the first of them a mosaic."""
+    declared = declaration_from({"name": "any"}, "any")
+    cases = cases_for(declared, 0)
+    tasks = plan(Options(), cases, claims_for(declared))
+    order = grading.spread(tasks, lambda case: cases[case].samples)
+    assert sorted(one.case for one in order) == sorted(one.case for one in tasks)
+    begun = [one.case for one in order[:300]]
+    assert sum(cases[case].samples for case in begun) < 100 * len(begun)
+    assert len({case.split("/")[0] for case in begun}) > 5
 
 
 def test_what_ctrl_c_leaves_replaces_no_whole_report(broken: str, tmp_path: Path) -> None:

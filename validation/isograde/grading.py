@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from dataclasses import field as fresh
-from itertools import zip_longest
+from itertools import accumulate
 from pathlib import Path
 from types import MappingProxyType
 
@@ -260,7 +260,7 @@ class Judging:
         for _, result in done.values():
             tally.add_record(result)
         if self.options.budget is not None:
-            left = spread(left)
+            left = spread(left, lambda case: self.worker.cases[case].samples)
         why = ""
         results = run(spec, left, self.options, self.worker)
         try:
@@ -355,17 +355,23 @@ class Judging:
                 self.smallest[name] = Smallest(judged, samples, "", known, follows)
 
 
-def spread(tasks: Sequence[Task]) -> list[Task]:
-    """The tasks, those of every family in turn, so that a part of them is of all kinds.
+def spread(tasks: Sequence[Task], samples: Callable[[str], int]) -> list[Task]:
+    """The tasks, small ones first, and of every family as many samples as of the others so far.
 
-    >>> [one.case for one in spread([Task("a/1", ()), Task("a/2", ()), Task("b/1", ())])]
-    ['a/1', 'b/1', 'a/2']
+    So a part of them is of all kinds, and no large case is waited for before its turn.
+
+    >>> sizes = {"a/1": 9, "a/2": 2, "b/1": 2, "b/2": 2, "b/3": 2, "c/1": 100}
+    >>> [one.case for one in spread([Task(name, ()) for name in sizes], sizes.__getitem__)]
+    ['a/2', 'b/1', 'b/2', 'b/3', 'a/1', 'c/1']
     """
     families: dict[str, list[Task]] = {}
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: samples(task.case)):
         families.setdefault(task.case.split("/")[0], []).append(task)
-    turns = zip_longest(*families.values())
-    return [task for turn in turns for task in turn if task is not None]
+    ordered = []
+    for number, own in enumerate(families.values()):
+        spent = accumulate(samples(task.case) for task in own)
+        ordered += [(sum_, number, task) for sum_, task in zip(spent, own, strict=True)]
+    return [task for _, _, task in sorted(ordered, key=lambda one: one[:2])]
 
 
 @dataclass(frozen=True)
