@@ -188,8 +188,8 @@ def extract(
     method : a name of `METHODS`
     precision : of the mesh; "double" is float64 and int64, "single" float32 and int32, as most
         libraries give, in half the memory
-    cap : close the surface on the border of the volume and beside absent samples
-        (`isoref.capping`)
+    cap : close the surface on the border of the volume and beside absent samples, where it may
+        leave triangles without area to stay a manifold (`isoref.capping`)
     absent : samples that do not count: True for those that are not finite, or masked in a masked
         array; or (N1, N2, N3) booleans, True where a sample is absent. No surface is drawn in a
         cell with an absent corner, and it has a boundary there, or with `cap` what closes it. By
