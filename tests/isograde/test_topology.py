@@ -285,3 +285,20 @@ def test_the_net_that_was_accused_of_its_end_is_right() -> None:
     assert judged("oriented", one).verdict is Verdict.PASS
     on_edges = trial(Field.of(values), mesh.vertices, mesh.simplices, NOTHING)
     assert judged("oriented", on_edges).verdict is Verdict.FAIL
+
+
+def test_sheets_that_meet_away_from_a_tie_are_seen_on_a_field_with_ties() -> None:
+    """Of "manifold": only who samples on a lattice of its own is excused wherever a tie is."""
+    values = np.full((5, 5, 9), -1.0)
+    values[2, 2, 2] = values[2, 2, 4] = 1
+    values[2, 2, 7] = 0
+    field, vertices, simplices = cubes(values)
+    assert judged("manifold", trial(field, vertices, simplices)).verdict is Verdict.PASS
+    # Two sheets, round the two high samples, are made to share a vertex.
+    one, other = np.argsort(np.abs(vertices - (2, 2, 3)).sum(axis=1))[:2]
+    assert not np.array_equal(vertices[one], vertices[other])
+    vertices[[one, other]] = (2, 2, 3)
+    joined = np.where(simplices == other, one, simplices)
+    assert judged("manifold", trial(field, vertices, joined)).verdict is Verdict.FAIL
+    own = Declaration("", vertices="own", reach=1.0)
+    assert judged("manifold", trial(field, vertices, joined, own)).verdict is Verdict.SKIP

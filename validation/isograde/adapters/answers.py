@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from isograde.adapters.forms import AnswerError, Arrays, from_pair, from_polylines, tried
 from isograde.adapters.strict import parse
+from isograde.adapters.texts import clean
 from isograde.model import SURFACES, Kind, Status
 
 MESH_FILES = (".ply", ".obj", ".off", ".stl")
@@ -117,7 +118,7 @@ def check_file(path: Path, limit: int) -> None:
     except (OSError, ValueError):  # No file can have such a name.
         there = False
     if not there:
-        raise AnswerError(f"no such file: {path.name[:LONGEST_NAME]}")
+        raise AnswerError(f"no such file: {clean(path.name, LONGEST_NAME)}")
     size = path.stat().st_size
     if size == 0:
         raise AnswerError(f"{path.name} has no bytes; an empty mesh has a header at least")
