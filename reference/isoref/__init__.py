@@ -10,7 +10,7 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
    `marching_tetrahedra`. What a surface carries: `attributes`; closed on
    the border: `capping`; without triangles that have no area: `degenerate`, and `ties`, where
-   samples equal the isovalue.
+   samples equal the isovalue. In blocks, on many machines: `distributed`.
 5. Where two isosurfaces meet: `curves`, `marching_faces`, `hermite`, `surface_intersection`,
    `plane_waves`.
 6. Any dimension and codimension: `kuhn`, `simplex_section`, `simplicial`,
