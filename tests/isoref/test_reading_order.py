@@ -1,4 +1,4 @@
-"""One reading order: the README says that of the package's docstring, from which the site has it."""
+"""One reading order: that of the docstring, from which the site has it, is the README's too."""
 
 import re
 from pathlib import Path
