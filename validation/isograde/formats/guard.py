@@ -19,6 +19,8 @@ import psutil
 # Leave so much of the free memory alone.
 SPARE = 1 << 28
 CHUNK = 1 << 20
+# A MetaImage may have so many axes; its reader loops over as many as the header says.
+AXES, MOST_AXES = re.compile(rb"^\s*NDims\s*=\s*(-?\d+)", re.MULTILINE), 8
 EXTENT = re.compile(rb'WholeExtent\s*=\s*"\s*' + rb"(-?\d+)\s+" * 5 + rb"(-?\d+)")
 
 
@@ -89,3 +91,12 @@ def check_vtk_image(path: Path) -> str:
     for low, high in zip(ends[::2], ends[1::2], strict=True):
         samples *= max(0, high - low + 1)
     return "" if samples <= free() else f"it says that it has {samples:,} samples"
+
+
+def check_meta_image(path: Path) -> str:
+    """Why the header of a MetaImage is not to be believed, or nothing."""
+    with path.open("rb") as file:
+        found = AXES.search(file.read(1 << 14))
+    if found is not None and not 0 < int(found[1][:20]) <= MOST_AXES:
+        return f"it says that it has {int(found[1][:20])} axes"
+    return ""

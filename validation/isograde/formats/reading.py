@@ -33,7 +33,14 @@ import numpy as np
 from isoref.field import Field, FieldError, Floats
 from numpy.typing import NDArray
 
-from isograde.formats.guard import check_gzip, check_vtk_image, free, in_words, within_memory
+from isograde.formats.guard import (
+    check_gzip,
+    check_meta_image,
+    check_vtk_image,
+    free,
+    in_words,
+    within_memory,
+)
 
 #: What a library's spelling of a space is here; LAS is turned into RAS.
 SPACES = {
@@ -185,6 +192,8 @@ def _unsafe(path: Path) -> str:
         return ""
     if ending_of(path) in (".nii.gz", ".mgz"):
         return check_gzip(path)
+    if ending_of(path) in (".mha", ".mhd"):
+        return check_meta_image(path)
     return check_vtk_image(path) if ending_of(path) == ".vti" else ""
 
 
