@@ -15,6 +15,7 @@ REPORTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(UPSTRE
 # The module that a report's lines need first of all.
 MODULES = {
     "itk": "itk",
+    "jaxmesh": "jaxmesh",
     "manifold3d": "manifold3d",
     "pymcubes": "mcubes",
     "scikit-image": "skimage",
