@@ -8,14 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
+from isograde.checking.sentences import looks_like
 from isograde.declaration import declaration_from
 from isograde.model import Case
 from isograde.report.diagnosis import cells_round, diagnosis, right_cells, wrong_by_case
 from isograde.report.findings import causes
 from isograde.report.misplaced import crossings, misplacement
 from isograde.report.reading import Report
+from isograde.report.words import verdict
 from isoref.field import Field
 
+from tests.isograde import broken_tables, families
 from tests.isograde import miniatures as mini
 from tests.isograde.judging import Here
 from tests.isograde.reporting import graded
@@ -136,8 +139,8 @@ PLACED: dict[str, tuple[Change, str]] = {
     "padded": (lambda v, _: v + 1, "shifted by a whole cell along"),
     "centred": (lambda v, n: v - (n - 1) / 2, "centred at 0"),
     "axes": (lambda v, _: v[:, ::-1], "given in reversed order of the axes"),
-    "two axes": (lambda v, _: v[:, [1, 0, 2]], "axes exchanged: take index[:, [1, 0, 2]]"),
-    "cycle": (lambda v, _: v[:, [2, 0, 1]], "axes exchanged: take index[:, [1, 2, 0]]"),
+    "two axes": (lambda v, _: v[:, [1, 0, 2]], "axes are exchanged: vertex = index[:, [1, 0, 2]]"),
+    "cycle": (lambda v, _: v[:, [2, 0, 1]], "axes are exchanged: vertex = index[:, [1, 2, 0]]"),
     "both": (lambda v, n: (v * n / (n - 1))[:, ::-1], "and in reversed order of the axes"),
 }
 
@@ -176,6 +179,37 @@ def test_a_vertex_that_is_astray_alone_is_no_map() -> None:
     vertices = np.asarray(low + right[:, None] * (high - low), float)
     vertices[3] += 0.01
     assert misplacement(vertices, values, 0.0, np.ones(3)) == ""
+
+
+def kuhn_turned(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Marching tetrahedra whose first two axes are exchanged, and that do not say what they are."""
+    vertices, faces = families.tetrahedra_of_kuhn(values, isovalue, (1.0, 1.0, 1.0))
+    return vertices[:, [1, 0, 2]] * np.asarray(spacing), faces
+
+
+def test_exchanged_axes_are_told_though_the_split_is_not_declared() -> None:
+    """A trial of 27 November: the smallest answer is the same with its axes exchanged."""
+    report = made(kuhn_turned, "cells/outside/003", "cells/outside/007", only="geometry.")
+    held = [one for one in causes(report) if one.held]
+    assert "axes are exchanged: vertex = index[:, [1, 0, 2]] * spacing" in held[0].said
+    assert '"interpolant": "kuhn", if it is meant to be' in held[0].said
+    assert sum(one.mistakes for one in held) == 2
+    assert "by 2 causes" in verdict(report)
+
+
+def test_a_split_that_is_not_declared_is_one_mistake() -> None:
+    report = made(families.tetrahedra_of_kuhn, "cells/outside/003", only="geometry.")
+    held = [one for one in causes(report) if one.held]
+    assert [(one.root.id, one.mistakes) for one in held] == [("geometry.vertices", 1)]
+    assert "stand on diagonals of cells" in held[0].said
+    assert looks_like("interpolant", "kuhn", "multilinear") in held[0].said
+
+
+def test_a_fixed_tolerance_is_told_as_check_tells_it() -> None:
+    names = "noise/white-5x6x7", "cells/outside/003"
+    said = told(broken_tables.with_epsilon, "range.scale", *names)
+    assert said.startswith("it gives another surface for the same samples times 2^-")
+    assert "is a fixed tolerance added or compared with? So it is in " in said
 
 
 def test_a_scale_is_one_finding_whatever_it_breaks() -> None:

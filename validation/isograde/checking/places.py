@@ -8,6 +8,7 @@ import numpy as np
 from isoref.field import Field, Floats
 
 from isograde.adapters.measure import RADIUS, centre_of
+from isograde.checking.sentences import axes_exchanged
 from isograde.model import Outcome
 
 # A vertex this near to a lattice edge, in cells, stands on it.
@@ -82,12 +83,12 @@ def _permuted(found: Floats, right: Floats, steps: Floats) -> str:
     for order in list(permutations(range(n)))[1:]:
         taken = list(order)
         for told, box in (
-            (f"vertex = index[:, {taken}] * spacing", (found / steps)[:, taken]),
-            (f"take vertices[:, {taken}]", found[:, taken] / steps),
-            (f"vertex = index[:, {taken}] * spacing, where it is not scaled", found[:, taken]),
+            (axes_exchanged(order), (found / steps)[:, taken]),
+            (axes_exchanged(order, of="vertices"), found[:, taken] / steps),
+            (axes_exchanged(order, end=", where it is not scaled"), found[:, taken]),
         ):
             if _off(box, right) < PERMUTED:
-                return f"axes are exchanged: {told}"
+                return told
     return ""
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from isoref.field import Field, Floats, Integers
 
 from isograde.checking.checked import Advice
+from isograde.checking.sentences import open_inside
 from isograde.model import SURFACES, Outcome, Verdict
 
 Answer = Callable[[Field, tuple[float, ...]], Outcome]
@@ -117,12 +118,7 @@ def spans_told(found: list[Span]) -> Iterator[Advice]:
                 f"{span.last:g}; does the loop leave out a layer of cells?",
             )
         if span.seams:
-            told = ", ".join(f"{x:g}" for x in span.seams[:4])
-            yield (
-                Verdict.FAIL,
-                f"the surface is open inside, along axis {span.axis} at {told}: is there a seam "
-                "between blocks or slabs, or a vertex that is not shared?",
-            )
+            yield Verdict.FAIL, open_inside(span.axis, span.seams)
 
 
 def inset(found: list[Span]) -> float | None:

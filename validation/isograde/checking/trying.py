@@ -20,8 +20,9 @@ from isograde.checking.checked import Advice
 from isograde.checking.limits import TRIED, Within
 from isograde.checking.places import level_at, misplaced, shifted
 from isograde.checking.rows import NO_CELL, rows_told
+from isograde.checking.sentences import WORDS, another_surface, looks_like, times
 from isograde.checking.spans import NEAR, Span, inset, spans, spans_told, stretch
-from isograde.checking.words import FIVE, WORDS, exact, index_of, said_more, words_of
+from isograde.checking.words import FIVE, exact, index_of, said_more, words_of
 from isograde.declaration import (
     Conventions,
     Declaration,
@@ -224,10 +225,7 @@ class Try:
                 told = f"{WORDS[name]} looks like {FIVE}, and it declares {json.dumps(now)}"
                 yield Verdict.FAIL, f"{told}: say so as below, if it is meant to be"
                 continue
-            told = (
-                f"{WORDS[name]} looks like {json.dumps(found)}, and it declares {json.dumps(now)}"
-            )
-            yield Verdict.FAIL, f'{told}: "{name}": {json.dumps(found)}, if it is meant to be'
+            yield Verdict.FAIL, looks_like(name, found, now)
 
     def _presentations(self) -> Iterator[Advice]:
         """Ways to present the same samples that are not taken for the same."""
@@ -348,8 +346,8 @@ class Try:
 
 
 Posed = tuple[Field, tuple[float, ...]]
-# A power of two, so that nothing rounds; a fixed tolerance is larger or smaller than all values.
-SMALLER, LARGER = 2.0**-24, 2.0**24
+# Powers of two, so that nothing rounds; a fixed tolerance is larger or smaller than all values.
+SMALLER, LARGER = -24, 24
 
 
 def presentations(
@@ -380,11 +378,11 @@ def presentations(
     asked = tuple(1000 * one for one in isovalues)
     twin = _with(field, whole.astype(float)), asked
     yield "of type int16<; values.astype(float) helps>", (_with(field, whole), asked), twin
-    for word, by in (("smaller", SMALLER), ("larger", LARGER)):
-        scaled = _with(field, values * by), tuple(by * one for one in isovalues)
+    for exponent in (SMALLER, LARGER):
+        by = 2.0**exponent
         yield (
-            f"{1 / min(by, 1 / by):.0f} times {word}; is a fixed tolerance added or compared with?",
-            scaled,
+            times(exponent),
+            (_with(field, values * by), tuple(by * one for one in isovalues)),
             plain,
         )
 
@@ -425,7 +423,7 @@ def _presented(outcome: Outcome, plain: Outcome, way: str) -> Advice | None:
     if plain.status is not Status.OK:
         return None
     if len(rows_of(outcome)) != len(rows_of(plain)) or not _alike(outcome, plain):
-        return Verdict.FAIL, f"it gives another surface for the same samples {way}"
+        return Verdict.FAIL, another_surface(way)
     return None
 
 

@@ -21,13 +21,6 @@ WHOLE = 1e-4
 # With so many vertices for each place, they are not shared from cell to cell.
 SHARED = 1.5
 
-WORDS = {
-    "interpolant": "what it draws inside a cell",
-    "vertices": "where its vertices are",
-    "domain": "how the surface ends at the border",
-    "mesh": "how triangles share vertices",
-}
-
 
 FIVE = "the alternating split of cells into five tetrahedra"
 

@@ -81,6 +81,7 @@ ROUNDED = 1e-6
 # Places are the same within so many tolerances of the lattice, and areas within so many.
 NEAR = 8
 ROUGH = 100
+NO_MESH = "what came is no mesh of this kind"
 DESIGN = "isograde design, level 2: the same answer however the field is posed"
 
 Difference = Callable[[Trial, Complex, variants.Variant], str]
@@ -120,7 +121,7 @@ def compared(
         return Finding(VERDICT_OF[outcome.status], detail, {"variant": variant.name})
     mesh = outcome.mesh_of(trial.kind)
     if mesh is None:
-        return failed(f"{said}: what came is no mesh of this kind", variant=variant.name)
+        return failed(f"{said}: {NO_MESH}", variant=variant.name)
     told = difference(trial, brought_back(trial, variant, mesh), variant)
     return failed(f"{said}: {told}", variant=variant.name) if told else passed()
 

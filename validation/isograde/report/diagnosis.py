@@ -17,7 +17,9 @@ import numpy as np
 from isoref.field import Field, Floats, Integers
 
 from isograde.causes import box
+from isograde.checking.sentences import another_surface, looks_like, times
 from isograde.claims.evidence import traces_of
+from isograde.claims.symmetry import NO_MESH
 from isograde.declaration import declaration_from
 from isograde.model import BAD, SURFACES, Case, Kind, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import saddle_sign
@@ -25,11 +27,16 @@ from isograde.oracles.complexes import Complex
 from isograde.oracles.lattice import Lattice
 from isograde.report.headline import anded
 from isograde.report.lines import JSON
-from isograde.report.misplaced import misplacement
+from isograde.report.misplaced import Placed, misplacement, on_diagonals, shared
 from isograde.report.reading import Report, Summary, findings_of
+from isograde.variants import MAGNITUDES
 
 TRILINEAR, BILINEAR = "topology.trilinear", "topology.bilinear"
 FACE, HOLE = "wrong face", "hole"
+# The powers of two that the variants multiply samples by.
+EXPONENTS = {"scale": 2, **{f"magnitude/{word}": by for word, by in MAGNITUDES.items()}}
+# A clause, or one for each of several mistakes; empty where there is nothing to add.
+Told = str | tuple[str, ...]
 # Chernyaev's cases with a tunnel.
 TUNNELS = ("4.2", "6.1.2", "7.4.2", "10.1.2", "12.1.2", "13.5.2")
 # Say it of so many cells, errors or cases at most.
@@ -105,12 +112,17 @@ def cells_round(points: Floats, shape: Sequence[int]) -> list[list[int]]:
 
 def diagnosis(report: Report, summary: Summary) -> str:
     """What is wrong, in a sentence without a full stop."""
+    return "; ".join(diagnoses(report, summary))
+
+
+def diagnoses(report: Report, summary: Summary) -> tuple[str, ...]:
+    """What is wrong: a clause for each mistake."""
     record = report.evidence.get(summary.id)
     seen = None if record is None else Seen.of(record, report.declaration)
     for tell in TELLERS.get(summary.id, ()):
         if told := tell(report, summary, seen):
-            return told
-    return _as_judged(summary)
+            return (told,) if isinstance(told, str) else told
+    return (_as_judged(summary),)
 
 
 def _as_judged(summary: Summary) -> str:
@@ -350,16 +362,56 @@ def _noun_of(report: Report) -> str:
 # --- where vertices are -------------------------------------------------------------------------
 
 
-def _misplaced(report: Report, summary: Summary, seen: Seen | None) -> str:
-    """The map that moves the vertices off the crossings, where there is one."""
-    declared = report.declaration
-    if seen is None or seen.trial.kind.m > 1 or declared["vertices"] != "edges":
+def _misplaced(report: Report, summary: Summary, seen: Seen | None) -> Told:
+    """The map that moves the vertices off the crossings, and the split they are on; if any."""
+    placed = None if seen is None else placed_of(seen)
+    if placed is None or report.declaration["vertices"] != "edges":
         return ""
-    if declared["interpolant"] not in ("multilinear",):
+    if report.declaration["interpolant"] != "multilinear":
         return ""
-    values = np.asarray(seen.trial.field.values, np.float64)
+    # The smallest answer alone may be explained in several ways: look at all that are kept.
+    others = _all_placed(report)
+    if (told := shared(placed, others)) is not None:
+        if told:
+            return told
+    elif any(map(on_diagonals, others)):
+        told = shared(placed, others, kuhn=True)
+        if told is not None:
+            return _on_split(others, told)
+    return misplacement(placed.vertices, placed.values, placed.isovalue, placed.spacing)
+
+
+def _on_split(answers: Sequence[Placed], told: str) -> Told:
+    """That vertices stand on the edges of Kuhn's split; and the map that moves them off these."""
+    looks = looks_like("interpolant", "kuhn", "multilinear")
+    if told:
+        return told, f"beside that, {looks}"
+    diagonal = sum(map(on_diagonals, answers))
+    count = sum(len(one.vertices) for one in answers)
+    return (
+        f"{diagonal:,} of {count:,} vertices of the answers shown here stand on diagonals of "
+        f'cells, as the split "kuhn" has them: {looks}'
+    )
+
+
+def placed_of(seen: Seen) -> Placed | None:
+    """The vertices of an answer with its samples; None of several components, or of no simplex."""
+    if seen.trial.kind.m > 1 or not len(seen.mesh.simplices):
+        return None
     points = seen.mesh.points[np.unique(seen.mesh.simplices)]
-    return misplacement(points, values, seen.trial.isovalues[0], np.asarray(seen.record["spacing"]))
+    values = np.asarray(seen.trial.field.values, np.float64)
+    return Placed(points, values, seen.trial.isovalues[0], np.asarray(seen.record["spacing"]))
+
+
+def _all_placed(report: Report) -> list[Placed]:
+    """The answers that are kept of all claims that failed."""
+    if "placed" not in report.memory:
+        kept = (Seen.of(record, report.declaration) for record in report.evidence.values())
+        report.memory["placed"] = [
+            placed for seen in kept if seen is not None and (placed := placed_of(seen)) is not None
+        ]
+    found: list[Placed] = report.memory["placed"]
+    return found
 
 
 def _astray(report: Report, summary: Summary, seen: Seen | None) -> str:
@@ -519,6 +571,33 @@ def _corner(number: int, width: int) -> str:
     return "".join(str(number >> (n - 1 - axis) & 1) for axis in range(n))
 
 
+# --- how the field is posed ---------------------------------------------------------------------
+
+
+def _rescaled(report: Report, summary: Summary, seen: Seen | None) -> str:
+    """Of another surface for other magnitudes: from which power of two on, in how many fields."""
+    first = Counter[int]()
+    for result in report.results:
+        for name, verdict, finding in findings_of(result):
+            if name != summary.id or verdict not in BAD or finding is None:
+                continue
+            exponent = EXPONENTS.get(finding.get("numbers", {}).get("variant", ""))
+            if verdict != Verdict.FAIL or exponent is None or NO_MESH in finding["detail"]:
+                return ""
+            first[exponent] += 1
+    if not first:
+        return ""
+    nearest, *farther = sorted(first, key=abs)
+    said = [f"So it is in {_fields(first[nearest])}"]
+    said += [f"from 2^{one:+d} on in {_fields(first[one])}" for one in farther]
+    return f"{another_surface(times(nearest))} {', '.join(said)}"
+
+
+def _fields(count: int) -> str:
+    """A count of fields."""
+    return "1 field" if count == 1 else f"{count:,} fields"
+
+
 # --- answers ------------------------------------------------------------------------------------
 
 
@@ -537,7 +616,7 @@ def _errors(report: Report, summary: Summary, seen: Seen | None) -> str:
     return f"{count:,} calls: {most}{more}"
 
 
-Teller = Callable[[Report, Summary, "Seen | None"], str]
+Teller = Callable[[Report, Summary, "Seen | None"], Told]
 TELLERS: Mapping[str, tuple[Teller, ...]] = {
     "structure.answers": (_errors,),
     "topology.closed": (_unshared, _misplaced, _hole),
@@ -552,4 +631,6 @@ TELLERS: Mapping[str, tuple[Teller, ...]] = {
     BILINEAR: (_faces,),
     TRILINEAR: (_by_case,),
     "topology.scan": (_scanned,),
+    "range.scale": (_rescaled,),
+    "symmetry.scale": (_rescaled,),
 }

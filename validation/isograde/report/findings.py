@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from isograde.causes import roots
 from isograde.model import BAD, EVIDENCE
-from isograde.report.diagnosis import diagnosis, right_cells
+from isograde.report.diagnosis import diagnoses, right_cells
 from isograde.report.headline import BILINEAR, TRILINEAR, chosen
 from isograde.report.reading import CONVENTIONS, Report, Summary, bad_in, findings_of
 
@@ -58,6 +58,7 @@ class Cause:
     elsewhere : the claims that the root follows from on its other cases, with how many
     choice : it is a choice that the implementation makes on every case
     held : it, or what follows from it alone, is promised
+    mistakes : so many are told in the diagnosis, where more than one is seen
     """
 
     root: Summary
@@ -68,6 +69,7 @@ class Cause:
     elsewhere: tuple[Follower, ...] = ()
     choice: bool = False
     held: bool = False
+    mistakes: int = 1
 
     @property
     def told(self) -> list[Summary]:
@@ -148,7 +150,8 @@ def _cause(
         Follower(failing[of], n) for (one, of), n in found.items() if one == claim and of != claim
     ]
     own, by = found[claim, claim], chosen(report) if claim == BILINEAR else []
-    said = diagnosis(report, root)
+    clauses = diagnoses(report, root)
+    said = "; ".join(clauses)
     made = Cause(
         root,
         f"{'; '.join(by)}: {said}" if by else said,
@@ -157,6 +160,7 @@ def _cause(
         tuple(follows),
         tuple(elsewhere),
         bool(by) and not root.promised,
+        mistakes=len(clauses),
     )
     held = any(one.promised and one.id not in CONVENTIONS for one in made.told)
     return replace(made, held=held)

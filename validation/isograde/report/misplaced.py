@@ -4,22 +4,38 @@ The crossings follow from the samples alone. A mistake in placing moves all vert
 the axes: scaled, shifted, reversed, or the share of the way along each edge exchanged for another
 one. Each of the maps below is tried, and one is named only where it puts the vertices on crossings
 and leaving them where they are does not.
+
+A small answer may be explained by several maps: a corner that is cut off looks the same with two
+axes exchanged. `shared` names what explains all of several answers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import permutations
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import permutations, product
 
 import numpy as np
 from isoref.field import Floats, Integers
 from scipy.spatial import KDTree
+
+from isograde.checking.sentences import axes_exchanged
 
 # Call a vertex right up to so far from a crossing, in cells; a map right for so many of them.
 NEAR, MOST = 1e-4, 0.9
 # Try every order of so many axes.
 MOST_AXES = 4
 Shift = tuple[str, Floats, Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """The vertices (V, n) of an answer, in index coordinates, with the samples it is of."""
+
+    vertices: Floats
+    values: Floats
+    isovalue: float
+    spacing: Floats
 
 
 def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Floats) -> str:
@@ -30,28 +46,69 @@ def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Flo
     right = np.asarray(low + share[:, None] * (high - low), np.float64)
     if _agree(vertices, right) > 1 - MOST:
         return _by_share(vertices, low, high, share)
-    for axes, said in ((slice(None), ""), (slice(None, None, -1), "in reversed order of the axes")):
-        if said and _agree(vertices[:, ::-1], right) >= MOST:
-            return f"vertices are given {said}"
-        for told, scale, shift in _maps(np.array(values.shape, float), spacing):
-            if _agree((vertices[:, axes] - shift) / scale, right) >= MOST:
-                return f"vertices are {told}{', and ' + said if said else ''}"
-    if told := _by_order(vertices, right, spacing):
-        return told
+    if told := explanations(Placed(vertices, values, isovalue, spacing)):
+        return told[0]
     if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
         return "vertices stand on samples, not on the crossings of the edges between them"
     return _by_share(vertices, low, high, share)
 
 
-def crossings(values: Floats, isovalue: float) -> tuple[Integers, Integers, Floats]:
-    """The ends (r, n) of the crossed lattice edges, and the share of the way to each crossing."""
+def shared(answer: Placed, others: Sequence[Placed], *, kuhn: bool = False) -> str | None:
+    """The simplest that explains this answer and the others, "" where no map is needed; or None.
+
+    Of the others, one that nothing explains has another fault, and does not count.
+    """
+    found = [told for one in others if (told := explanations(one, kuhn=kuhn))]
+    mine = explanations(answer, kuhn=kuhn)
+    return next((told for told in mine if all(told in each for each in found)), None)
+
+
+def explanations(answer: Placed, *, kuhn: bool = False) -> list[str]:
+    """Each map that puts the vertices on the crossings, "" for none needed; the simplest first.
+
+    `kuhn` : on those of the edges of Kuhn's split, which has the diagonals too
+    """
+    low, high, share = crossings(answer.values, answer.isovalue, kuhn=kuhn)
+    if not len(low) or not len(answer.vertices):
+        return []
+    right = np.asarray(low + share[:, None] * (high - low), np.float64)
+    shape = np.array(answer.values.shape, float)
+    found = [""] if _agree(answer.vertices, right) >= MOST else []
+    for axes, said in ((slice(None), ""), (slice(None, None, -1), "in reversed order of the axes")):
+        if said and _agree(answer.vertices[:, axes], right) >= MOST:
+            found.append(f"vertices are given {said}")
+        for told, scale, shift in _maps(shape, answer.spacing):
+            if _agree((answer.vertices[:, axes] - shift) / scale, right) >= MOST:
+                found.append(f"vertices are {told}{', and ' + said if said else ''}")
+    return found + list(_by_order(answer.vertices, right, answer.spacing))
+
+
+def on_diagonals(answer: Placed) -> int:
+    """How many vertices stand on a diagonal of Kuhn's split, at its crossing."""
+    low, high, share = crossings(answer.values, answer.isovalue, kuhn=True)
+    diagonal = (high - low).sum(axis=1) > 1
+    if not diagonal.any():
+        return 0
+    right = np.asarray(low + share[:, None] * (high - low), np.float64)[diagonal]
+    return int(np.count_nonzero(KDTree(right).query(answer.vertices)[0] < NEAR))
+
+
+def crossings(
+    values: Floats, isovalue: float, *, kuhn: bool = False
+) -> tuple[Integers, Integers, Floats]:
+    """The ends (r, n) of the crossed lattice edges, and the share of the way to each crossing.
+
+    `kuhn` : and of the diagonals of Kuhn's split, which lead up along several axes at once
+    """
     ends, shares = [], []
-    for axis in range(values.ndim):
-        before, after = np.moveaxis(values, axis, 0)[:-1], np.moveaxis(values, axis, 0)[1:]
+    for step in sorted(product((0, 1), repeat=values.ndim), reverse=True):
+        if not sum(step) or (sum(step) > 1 and not kuhn):
+            continue
+        before = values[tuple(slice(0, n - s) for n, s in zip(values.shape, step, strict=True))]
+        after = values[tuple(slice(s, None) for s in step)]
         at = np.argwhere((before >= isovalue) != (after >= isovalue))
         a, b = before[tuple(at.T)], after[tuple(at.T)]
-        places = np.concatenate([at[:, 1 : axis + 1], at[:, :1], at[:, axis + 1 :]], axis=1)
-        ends.append(np.stack([places, places + np.eye(values.ndim, dtype=int)[axis]]))
+        ends.append(np.stack([at, at + np.array(step)]))
         shares.append((isovalue - a) / (b - a))
     low, high = np.concatenate(ends, axis=1)
     return low, high, np.concatenate(shares)
@@ -86,20 +143,17 @@ def _maps(shape: Floats, spacing: Floats) -> Iterator[Shift]:
         yield "multiplied by the first spacing on every axis", spacing[0] / spacing, none
 
 
-def _by_order(vertices: Floats, right: Floats, spacing: Floats) -> str:
-    """The order of the axes in which the vertices are given, or nothing; reversed is one too."""
+def _by_order(vertices: Floats, right: Floats, spacing: Floats) -> Iterator[str]:
+    """The orders of the axes in which the vertices may be given; reversed is one too."""
     n = len(spacing)
     if n > MOST_AXES:
-        return ""
+        return
     for order in list(permutations(range(n)))[1:]:
-        taken = f"[:, {list(order)}]"
-        for told, given in (
-            (f"take index{taken} and scale it then", vertices[:, order]),
-            (f"take vertices{taken}", (vertices * spacing)[:, order] / spacing),
-        ):
-            if _agree(given, right) >= MOST:
-                return f"vertices have their axes exchanged: {told}"
-    return ""
+        taken = list(order)
+        if _agree(vertices[:, taken], right) >= MOST:
+            yield axes_exchanged(order)
+        if _agree((vertices * spacing)[:, taken] / spacing, right) >= MOST:
+            yield axes_exchanged(order, of="vertices")
 
 
 def _by_share(vertices: Floats, low: Integers, high: Integers, share: Floats) -> str:

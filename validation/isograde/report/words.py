@@ -67,7 +67,7 @@ def _kept(report: Report) -> str:
     promise = f"It promises level {min(level, report.top)} ({LEVELS[min(level, report.top)][0]})."
     n = len(report.broken)
     if n:
-        held = sum(cause.held for cause in causes(report))
+        held = sum(cause.mistakes for cause in causes(report) if cause.held)
         why = f", by {held} {'cause' if held == 1 else 'causes'}" if n > 1 else ""
         said = f"{n} of its promises {'is' if n == 1 else 'are'} broken{why}."
     elif not report.has_evidence:
