@@ -17,6 +17,7 @@ from pathlib import Path
 
 from sphinx.util import logging
 
+from isosite.articles import LEFT_OUT
 from isosite.evidence import PACKAGES, ROOT
 from isosite.modules import everywhere
 from isosite.prose import papers_of
@@ -70,6 +71,8 @@ FOLDERS = {
 SERVED = {"reports/implementations": "graded/implementations", "reports/league": "graded/league"}
 SERVED_KINDS = (".html", ".svg", ".png", ".gz", ".json")
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
+# A module in back quotes, that is no link already.
+NAME = re.compile(r"(?<![\[`])`(iso(?:ref|grade)(?:\.\w+)+)`(?![\]`])")
 PICTURE = re.compile(r"`((?:[\w.-]+/)*[\w.-]+\.(?:png|svg))`")
 
 
@@ -147,8 +150,17 @@ def converted(path: str, page: str) -> str:
             return f'<a href="{address}">{label}</a>'
         return f"{{download}}`{label.replace('`', '')} <{address}>`"
 
+    def name(match: re.Match[str]) -> str:
+        module = everywhere().get(match[1])
+        if module is None or match[1] in LEFT_OUT:
+            return match[0]
+        address = posixpath.relpath(module.page, posixpath.dirname(page) or ".")
+        return f"[{match[0]}](<{address}.rst>)"
+
     fenced = re.split(r"(^```.*?^```$)", text, flags=re.DOTALL | re.MULTILINE)
-    text = "".join(part if n % 2 else LINK.sub(link, part) for n, part in enumerate(fenced))
+    text = "".join(
+        part if n % 2 else NAME.sub(name, LINK.sub(link, part)) for n, part in enumerate(fenced)
+    )
     if path.startswith("papers/"):
         text = with_pictures(with_address(text), page)
     return text

@@ -45,7 +45,7 @@ def bare(
         ylim=(low[1] - margin, high[1] + margin),
         zlim=(low[2] - margin, high[2] + margin),
     )
-    axis.set_box_aspect(np.subtract(high, low) + 2 * margin, zoom=1.25)
+    axis.set_box_aspect(np.subtract(high, low) + 2 * margin, zoom=1.08)
     axis.view_init(*view)
     axis.set_axis_off()
     axis.set_title(title, fontsize=9, color=INK)
