@@ -43,7 +43,8 @@ def answer(asked, extract, options):
     (isovalue,) = (float("nan") if one is None else float(one) for one in asked["isovalues"])
     cost = Cost()
     try:
-        vertices, simplices = extract(values, isovalue, tuple(asked["spacing"]), **options)
+        found = extract(values, isovalue, tuple(asked["spacing"]), **options)
+        vertices, simplices = (found.vertices, found.faces) if hasattr(found, "faces") else found
     except Exception as error:  # noqa: BLE001 - whatever the package raises is its answer
         return {"error": f"{type(error).__name__}: {error}"}
     seconds = cost.told()
