@@ -70,6 +70,7 @@ FOLDERS = {
 # What is served as it stands: whole pages with their pictures, made by the grader.
 SERVED = {"reports/implementations": "graded/implementations", "reports/league": "graded/league"}
 SERVED_KINDS = (".html", ".svg", ".png", ".gz", ".json")
+EXPLORER = "explorer.html"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
 # A module in back quotes, that is no link already.
 NAME = re.compile(r"(?<![\[`])`(iso(?:ref|grade)(?:\.\w+)+)`(?![\]`])")
@@ -234,8 +235,10 @@ def serve(out: Path) -> None:
             if path.is_file() and path.suffix in SERVED_KINDS and "unfinished" not in path.name:
                 to = out / place / path.relative_to(ROOT / folder)
                 to.parent.mkdir(parents=True, exist_ok=True)
-                if not to.exists() or to.stat().st_mtime < path.stat().st_mtime:
-                    shutil.copy2(path, to)
+                # A way to the repository's explorer stands beside reports: here, the page itself.
+                source = ROOT / "docs/explorer/explorer.html" if path.name == EXPLORER else path
+                if not to.exists() or to.stat().st_mtime != source.stat().st_mtime:
+                    shutil.copy2(source, to)
 
 
 def relative(page: str, target: str) -> str:
