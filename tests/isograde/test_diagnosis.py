@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
+from isograde.checking.rows import cell, fault_told, judged
 from isograde.checking.sentences import looks_like
 from isograde.declaration import declaration_from
-from isograde.model import Case
+from isograde.model import Case, Outcome, Status
 from isograde.report.diagnosis import cells_round, diagnosis, right_cells, wrong_by_case
 from isograde.report.findings import causes
 from isograde.report.misplaced import crossings, misplacement
@@ -125,7 +126,8 @@ def test_one_wrong_entry_of_a_table_is_told_by_its_corners() -> None:
         with_a_wrong_entry, "cells.legal", "cells/outside/003", "noise/white-5x6x7",
         "noise/white-8x9x10",
     )  # fmt: skip
-    assert "one entry of the table is wrong: whenever the corners 000 and 001 alone" in said
+    assert said.startswith("1 row of the table leaves a crossed edge without a vertex: ")
+    assert "inside corners (0, 0, 0) (0, 0, 1), in the usual order of corners row 17" in said
 
 
 # What a mistake in placing does to index coordinates, and how it is told.
@@ -252,3 +254,56 @@ def test_a_claim_without_more_to_say_is_told_in_the_words_of_its_judge() -> None
     report = graded(Here(lambda *_: 1 / 0, declared), "python:it:it", [case], "structure.answers")
     said = diagnosis(report, report.summaries["structure.answers"])
     assert said == "1 calls: error: division by zero"
+
+
+def in_slabs(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Slabs of two layers of cells, each with vertices of its own."""
+    found, rows, count = [np.zeros((0, 3))], [np.zeros((0, 3), int)], 0
+    for start in range(0, len(values) - 1, 2):
+        vertices, faces = mini.plain(values[start : start + 3], isovalue, (1.0, 1.0, 1.0))
+        found.append(vertices + np.array([start, 0, 0]))
+        rows.append(np.asarray(faces).reshape(-1, 3) + count)
+        count += len(vertices)
+    return np.concatenate(found) * np.asarray(spacing), np.concatenate(rows)
+
+
+def test_a_seam_is_told_from_all_cases_with_no_advice_to_declare_a_soup() -> None:
+    """A trial of 27 November: the smallest case was of two triangles that share nothing."""
+    said = told(in_slabs, "topology.closed", "noise/white-5x6x7")
+    assert said.startswith("the surface is open inside, along axis 0 at 2: is there a seam")
+    assert "soup" not in said
+    assert "no two triangles" not in said
+
+
+def one_wrong_number(values: Any, isovalue: float, spacing: Any) -> Any:
+    """A cell with three inside corners of a face names a wrong corner of one triangle."""
+    vertices, faces = mini.plain(values, isovalue, spacing)
+    if len(faces) == 3 and values.shape == (2, 2, 2):
+        (shared,) = set(faces[0]) & set(faces[1]) & set(faces[2]) or {faces[0][0]}
+        other = next(v for v in range(len(vertices)) if v not in faces[1])
+        faces = np.array(faces)
+        faces[1][next(k for k in range(3) if faces[1][k] != shared)] = other
+    return vertices, faces
+
+
+def test_a_wrong_number_in_a_table_is_told_with_its_row_and_what_mends_it() -> None:
+    """A trial of 27 November: one number of row 100 was wrong, and no row was named."""
+    inside = frozenset({(1, 0, 1), (1, 1, 0), (1, 1, 1)})
+    field = cell(inside)
+    vertices, faces = one_wrong_number(field.values, 0.5, (1.0, 1.0, 1.0))
+    outcome = Outcome(Status.OK, np.asarray(vertices), np.asarray(faces))
+    said = fault_told(judged(inside, outcome, field), alone=True)
+    assert said.startswith("1 row of the table ")
+    assert "in the usual order of corners row 100, or 155 by the outside" in said
+    assert " in place of " in said
+    assert "its boundary is then " in said
+
+
+def test_the_row_is_named_by_the_report_too() -> None:
+    inside = frozenset({(1, 0, 1), (1, 1, 0), (1, 1, 1)})
+    case = Case("cells/one", lambda: cell(inside), (0.5,), 8)
+    declared = declaration_from({"level": 2}, "it")
+    report = graded(Here(one_wrong_number, declared), "python:it:it", [case], "topology.closed")
+    said = diagnosis(report, report.summaries["topology.closed"])
+    assert "row of the table has two triangles that pass an edge in the same direction" in said
+    assert " both pass from " in said

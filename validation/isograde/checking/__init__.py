@@ -93,7 +93,9 @@ def _kinds(
             if trial.measured is not None and not trial.misplaced:
                 known = trial.rows_right or trial.rows_wrong
                 rows = trial.rows_right if known else None
-                found = small_cases(adapter, told, kind, declaration, rows, trial.within)
+                found = small_cases(
+                    adapter, told, kind, declaration, rows, trial.within, ended=trial.ended
+                )
                 checked.add(found, f"{kind}: small cases")
     if len(kinds) > KINDS_TRIED:
         left = len(kinds) - KINDS_TRIED

@@ -85,6 +85,7 @@ FAULTS = {
     "doubled": "has an edge that belongs to more than two triangles",
     "flipped": "is turned over: its triangles face the other way",
     "one flipped": "has a triangle that faces another way than its neighbours",
+    "same way": "has two triangles that pass an edge in the same direction",
     "crossed": "joins crossings across a face so that inside and outside corners mix",
     "loose": "does not end at each crossing of a face exactly once",
     "elsewhere": "has a vertex outside the cell",
@@ -251,7 +252,9 @@ def _combinatorics(places: list[Any], triangles: NDArray[Any], points: Floats, r
         if count + back > 2 and face is None:
             row.fault, row.detail = "doubled", _segment_told(where[start], where[end])
         elif count == 2:
-            row.fault, row.detail = "one flipped", _segment_told(where[start], where[end])
+            if row.fault != "one flipped":
+                row.detail = _both_told(places, triangles, (start, end), where)
+            row.fault = "one flipped"
         elif count + back == 1 and face is None:
             row.fault = row.fault or "missing"
             row.detail = row.detail or _segment_told(where[start], where[end])
@@ -259,6 +262,85 @@ def _combinatorics(places: list[Any], triangles: NDArray[Any], points: Floats, r
             segments.append((start, end, face))
     if not row.fault:
         _on_faces(segments, where, row)
+    elif row.fault == "one flipped":
+        _mended(places, triangles, points, row)
+
+
+def _both_told(
+    places: list[Any], triangles: NDArray[Any], segment: tuple[Any, Any], where: dict[Any, Floats]
+) -> str:
+    """The two triangles that pass a segment in the same direction."""
+    passing = []
+    for number, triangle in enumerate(triangles.tolist(), start=1):
+        corners = [places[v] for v in triangle]
+        if segment in zip(corners, corners[1:] + corners[:1], strict=True):
+            passing.append(str(number))
+    start, end = (where[one] for one in segment)
+    both = f"triangles {' and '.join(passing)} of {len(triangles)} both pass"
+    return f"{both} {_segment_told(start, end)}"
+
+
+def _mended(places: list[Any], triangles: NDArray[Any], points: Floats, row: Row) -> None:
+    """The row knows whether turning one triangle over, or else changing one corner, mends it."""
+    if any(_right(places, one, points, row) for one in _one_turned(triangles)):
+        return
+    row.fault = "same way"
+    mends = []
+    for i, k in product(range(len(triangles)), range(3)):
+        for v in np.unique(triangles).tolist():
+            other = triangles.copy()
+            other[i, k] = v
+            if v not in triangles[i].tolist() and _right(places, other, points, row):
+                corner, old = (_place_told(places[n]) for n in (v, triangles[i, k]))
+                mends.append((f"{corner} in place of {old} in triangle {i + 1}", other))
+    if mends:
+        told = ", or ".join(told for told, _ in mends)
+        row.detail += f"; it is right with {told}; its boundary is then "
+        row.detail += _boundary_told(places, mends[0][1])
+
+
+def _one_turned(triangles: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """The triangles with each of them turned over in turn."""
+    for i in range(len(triangles)):
+        other = triangles.copy()
+        other[i] = other[i, ::-1]
+        yield other
+
+
+def _right(places: list[Any], triangles: NDArray[Any], points: Floats, row: Row) -> bool:
+    """Whether these triangles have no fault; `_combinatorics` of what is mended does not recur."""
+    tried = Row(row.inside, fault="")
+    _crossings(places, triangles, tried)
+    passed: Counter[tuple[Any, Any]] = Counter()
+    for triangle in triangles.tolist():
+        corners = [places[v] for v in triangle]
+        passed.update(zip(corners, corners[1:] + corners[:1], strict=True))
+    if tried.fault or max(passed.values()) > 1:
+        return False
+    _combinatorics(places, triangles, points, tried)
+    return not tried.fault
+
+
+def _boundary_told(places: list[Any], triangles: NDArray[Any]) -> str:
+    """The lattice edges round the triangles, in their order; of each ring, where there are more."""
+    passed = {
+        (places[row[k]], places[row[(k + 1) % 3]]) for row in triangles.tolist() for k in range(3)
+    }
+    after = {start: end for start, end in passed if (end, start) not in passed}
+    rings = []
+    while after:
+        start, at = after.popitem()
+        ring = [start]
+        while at != start and at in after:
+            ring.append(at)
+            at = after.pop(at)
+        rings.append(", ".join(map(_place_told, ring)))
+    return "; ".join(rings)
+
+
+def _place_told(place: Any) -> str:
+    """A lattice edge by its ends, or a place inside the cell."""
+    return f"{place.low}-{place.high}" if isinstance(place, LatticeEdge) else str(place)
 
 
 def _on_faces(segments: list[Any], where: dict[Any, Floats], row: Row) -> None:
@@ -323,9 +405,19 @@ def _of_one_fault(fault: str, rows: list[Row], asked: int, order: tuple[int, ...
         return Verdict.FAIL, f"every row of the table {told}{_detail(rows[0])}"
     named = "; ".join(row_told(row.inside, order) + _detail(row) for row in rows[:TOLD])
     more = f"; and {len(rows) - TOLD} more" if len(rows) > TOLD else ""
-    count = "1 row of the table" if len(rows) == 1 else f"{len(rows)} rows of the table"
-    verb = told if len(rows) == 1 else f"have this fault: the row {told}"
-    return Verdict.FAIL, f"{count} {verb}: {named}{more}"
+    if len(rows) == 1:
+        return Verdict.FAIL, fault_told(rows[0], order, alone=True)
+    count = f"{len(rows)} rows of the table have this fault: the row {told}"
+    return Verdict.FAIL, f"{count}: {named}{more}"
+
+
+def fault_told(row: Row, order: tuple[int, ...] = (0, 1, 2), *, alone: bool = False) -> str:
+    """What is wrong with one row, or nothing; `alone` where no other row is wrong."""
+    if not row.fault:
+        return ""
+    told = FAULTS.get(row.fault, f"ends in {row.fault}")
+    named = row_told(row.inside, order) + _detail(row)
+    return f"{'1' if alone else 'a'} row of the table {told}: {named}"
 
 
 def _detail(row: Row) -> str:

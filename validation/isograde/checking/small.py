@@ -16,6 +16,7 @@ from isograde.adapters.process import ProcessAdapter
 from isograde.checking.checked import Advice
 from isograde.checking.limits import Within
 from isograde.checking.rows import CORNERS, row_told
+from isograde.checking.spans import LONG
 from isograde.declaration import Declaration
 from isograde.model import BAD, Case, Claim, Kind, Limits, Outcome, Request, Verdict
 
@@ -35,6 +36,9 @@ CONVENTIONS = ("robustness.nan", "robustness.out_of_range")
 CONVENTION_CASES = 6
 # Pose cases up to this size within limits that were found out.
 LARGEST_POSED = 1000
+TIED = "; on fields with samples equal to the isovalue only"
+# What claims on small cases say where a long field showed a fault.
+SHORTER = f"; what is wrong above was seen on a longer field, of {LONG} samples along that axis"
 # What a hole is, where no cell alone is at fault.
 BETWEEN_CELLS = (
     "; each row of the table is right alone, so two cells join the crossings of an ambiguous face "
@@ -75,12 +79,14 @@ def small_cases(
     held: Declaration,
     rows: bool | None = None,
     within: Within | None = None,
+    *,
+    ended: bool = False,
 ) -> Iterator[Advice]:
     """What claims of levels 0 to 2 say of the smallest cases, most faults first.
 
     `declaration` is what it is judged by, `held` what it promised itself; `rows` says
     whether each configuration of a cell alone is right, where that is known; cases are posed
-    `within` limits.
+    `within` limits; `ended` says that a longer field showed a seam or an end.
     """
     # Import what judges only here: who made a mistake above shall not wait for it.
     from isograde.cases import FAMILIES
@@ -121,12 +127,13 @@ def small_cases(
         verdict, told = _of_one_claim(kind, name, bad[name], judged)
         tied = not any(case.id in general for case, _ in bad[name])
         between = BETWEEN_CELLS if rows and name == "topology.closed" else ""
-        told += "; on fields with samples equal to the isovalue only" if tied else between
+        told += "" if ended and name == "topology.closed" else TIED if tied else between
         promised = claims[name].held(held)
         yield (verdict, told) if promised else (Verdict.SKIP, f"{told} (not promised)")
     if judged and len(bad) < len(claims) and rows is not False:
         hold = f"{len(claims) - len(bad)} of {len(claims)} claims of levels 0 to {HIGHEST} hold"
-        yield Verdict.PASS, f"{kind}: {hold} on {judged} small cases"
+        short = SHORTER if ended else ""
+        yield Verdict.PASS, f"{kind}: {hold} on {judged} small cases{short}"
     if not judged:
         yield Verdict.UNSUPPORTED, f"{kind}: no small case could be judged"
 

@@ -80,6 +80,7 @@ class Try:
     steady : asked twice, it gave the same arrays
     rows_right, rows_wrong : each configuration of a cell, asked alone, is answered rightly, or some
         is not; neither where cells are not asked alone
+    ended : a long field showed that the surface ends early, or is open inside
     """
 
     adapter: ProcessAdapter
@@ -90,6 +91,7 @@ class Try:
     steady: bool = True
     rows_right: bool = False
     rows_wrong: bool = False
+    ended: bool = False
     within: Within = fresh(default_factory=Within)
     asked: int = 0
     unanswered: list[tuple[Field, Outcome]] = fresh(default_factory=list)
@@ -298,6 +300,7 @@ class Try:
             ended = list(spans_told(found))
             yield from ended
             yield from self._off()
+            self.ended = bool(ended)
             self.rows_right = self.rows_right and not ended
 
     def _end(self, found: list[Span]) -> None:

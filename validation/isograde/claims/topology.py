@@ -72,7 +72,20 @@ def closed(trial: Trial) -> Finding:
         boundary_facets=len(loose),
         boundary_facets_after_welding=still,
         first=[place(point) for point in found.points[loose[0]]],
+        alone=len(np.unique(trial.mesh.simplices)) == trial.mesh.simplices.size,
+        **_planes(found.points[loose], lattice_of(trial).tolerance),
     )
+
+
+def _planes(places: Floats, tolerance: float) -> dict[str, object]:
+    """The axis along which all facets (r, k, n) lie in planes of samples, and which; if one is."""
+    whole = np.rint(places)
+    flat = (np.abs(places - whole) <= tolerance) & (whole == whole[:, :1])
+    axes = np.flatnonzero(flat.all(axis=(0, 1)))
+    if len(axes) != 1:
+        return {}
+    at = np.unique(whole[:, 0, axes[0]]).astype(int).tolist()
+    return {"planes": {"axis": int(axes[0]), "at": at}}
 
 
 def _unmatched(trial: Trial, rows: Integers, found: Complex) -> Integers:

@@ -12,12 +12,14 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from isoref.field import Field, Floats, Integers
 
 from isograde.causes import box
-from isograde.checking.sentences import another_surface, looks_like, times
+from isograde.checking.rows import CORNERS, fault_told, judged
+from isograde.checking.sentences import another_surface, looks_like, open_inside, times
 from isograde.claims.evidence import traces_of
 from isograde.claims.symmetry import NO_MESH
 from isograde.declaration import declaration_from
@@ -253,8 +255,12 @@ def _unshared(report: Report, summary: Summary, seen: Seen | None) -> str:
     failure = summary.failure
     if failure is None or seen is None:
         return ""
+    failed = _all_numbers(report, summary) or [failure.numbers]
+    if told := _seam(failed):
+        return told
+    # Of a soup in every case: the smallest may be of two triangles.
     rows = seen.trial.mesh.simplices
-    alone = len(rows) > 1 and len(np.unique(rows)) == rows.size
+    alone = len(rows) > 1 and all(one.get("alone") for one in failed)
     start = f"no two {_noun(seen)} share a vertex: " if alone else ""
     if failure.numbers.get("boundary_facets_after_welding") == 0:
         mend = "" if report.declaration["mesh"] != "indexed" else ', or declare "mesh": {"soup": 0}'
@@ -267,6 +273,51 @@ def _unshared(report: Report, summary: Summary, seen: Seen | None) -> str:
             'same end for every cell, or declare "mesh": {"soup": 1e-5}'
         )
     return ""
+
+
+def _seam(failed: Sequence[Mapping[str, Any]]) -> str:
+    """Of holes in planes across one axis alone, in every case, that equal vertices would close."""
+    planes = [one.get("planes") for one in failed]
+    closing = all(one.get("boundary_facets_after_welding") == 0 for one in failed)
+    if not closing or all(one.get("alone") for one in failed):
+        return ""
+    if None in planes or len({one["axis"] for one in planes if one}) != 1:
+        return ""
+    at = sorted({x for one in planes if one for x in one["at"]})
+    axis = next(one["axis"] for one in planes if one)
+    return (
+        f"{open_inside(axis, at)} Equal vertices stand there twice: it is closed once they are one"
+    )
+
+
+def _all_numbers(report: Report, summary: Summary | None) -> Sequence[Mapping[str, Any]]:
+    """The numbers of all failures of a claim, if it was judged."""
+    if summary is None:
+        return []
+    return [
+        finding.get("numbers", {})
+        for result in report.results
+        for name, verdict, finding in findings_of(result)
+        if name == summary.id and verdict in BAD and finding is not None
+    ]
+
+
+def _row(report: Report, summary: Summary, seen: Seen | None) -> str:
+    """What is wrong with the row of a table, where one cell alone is at fault."""
+    declared = report.declaration
+    if seen is None or seen.trial.kind != SURFACES or seen.lattice.shape != (2, 2, 2):
+        return ""
+    plain = declared["interpolant"], declared["vertices"], declared["domain"]
+    if plain != ("multilinear", "edges", [{"inset": 0.0, "end": "open"}]):
+        return ""
+    if seen.lattice.tied.any() or not len(seen.mesh.simplices):
+        return ""
+    inside = frozenset(c for c in CORNERS if seen.trial.field.values[c] >= seen.trial.isovalues[0])
+    outcome = Outcome(Status.OK, seen.mesh.points, seen.mesh.simplices)
+    found = judged(inside, outcome, seen.trial.field)
+    order = (2, 1, 0) if declared["conventions"]["axes"] == "reversed" else (0, 1, 2)
+    wrong = [n.get("signs") for n in _all_numbers(report, report.summaries.get("cells.legal"))]
+    return fault_told(found, order, alone=len(wrong) > 1 and len({*wrong}) == 1)
 
 
 def _hole(report: Report, summary: Summary, seen: Seen | None) -> str:
@@ -619,14 +670,14 @@ def _errors(report: Report, summary: Summary, seen: Seen | None) -> str:
 Teller = Callable[[Report, Summary, "Seen | None"], Told]
 TELLERS: Mapping[str, tuple[Teller, ...]] = {
     "structure.answers": (_errors,),
-    "topology.closed": (_unshared, _misplaced, _hole),
-    "topology.oriented": (_turned,),
+    "topology.closed": (_unshared, _misplaced, _row, _hole),
+    "topology.oriented": (_turned, _row),
     "topology.sides": (_reversed, _misplaced),
     "topology.manifold": (_crowded, _sheets),
     "geometry.vertices": (_misplaced, _astray),
     "geometry.crossing": (_misplaced,),
     "geometry.embedded": (_crossing,),
-    "cells.legal": (_entry,),
+    "cells.legal": (_row, _entry),
     "cells.count": (_entry,),
     BILINEAR: (_faces,),
     TRILINEAR: (_by_case,),
