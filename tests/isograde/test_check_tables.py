@@ -157,3 +157,9 @@ def test_whole_numbers_keep_sides_and_ties(name: str) -> None:
 def test_nothing_is_pasted_where_the_surface_is_not_in_its_place() -> None:
     assert checked(broken_tables.padded).paste == ""
     assert checked(broken_tables.stretched).paste == ""
+
+
+def test_a_declared_soup_is_not_told_of_a_seam_that_welding_closes() -> None:
+    """A trial of 27 November: `grade` welds what is declared a soup, and so does `check`."""
+    assert "open inside" in str(checked(broken_tables.seam).advice)
+    assert "open inside" not in str(checked(broken_tables.seam, soup=0.0).advice)
