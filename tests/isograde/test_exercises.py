@@ -138,6 +138,7 @@ WRONG = {
     "8 no tunnels": ("there & (product < 0)", "there & False"),
     "8 two axes": ("range(3)", "range(2)"),
     "9 never connected": ("(v + q) + (w + p) >= 0", "False"),
+    "9 a careless sum": ("(v + q) + (w + p) >= 0", "v + w + p + q >= 0"),
     "10 in the middle": ("point[a] + t * (point[b] - point[a])", "(point[a] + point[b]) / 2"),
     "12 one piece alone": (
         "cycles(signs, ALL_SEPARATED)\n\n",

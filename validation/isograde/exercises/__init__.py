@@ -220,7 +220,8 @@ EXERCISES = {
             {
                 SIDES: "Between an active and an inactive voxel no cycle passes.",
                 CLOSED: "The cycles do not close. Four paths end at a point of ambiguity, and all "
-                "four must turn the same way: what do they have in common?",
+                "four must turn the same way: what do they have in common? If they ask the same "
+                "of the same voxels, do they also round alike?",
                 CROSSING: "A support point is moved along its range vector, but not to "
                 "where the line between the two voxels takes the isovalue. From which end is the "
                 "way measured?",
