@@ -9,7 +9,7 @@ folder ``docs/course`` of the source.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 
@@ -31,12 +31,15 @@ class Exercise:
 
     hints : by claim, what is said where it fails; asked in this order
     cases : what it is judged on
+    apart : by claim and by how the names of some cases begin, what is said on those instead:
+        one claim, and cases that only one of the faults can fail
     """
 
     number: int
     title: str
     hints: Mapping[str, str]
     cases: Callable[[], Sequence[Case]]
+    apart: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     @property
     def file(self) -> str:
@@ -47,6 +50,13 @@ class Exercise:
     def text(self) -> str:
         """The file that is given."""
         return (files("isograde.exercises") / "given" / self.file).read_text(encoding="utf-8")
+
+    def hint(self, claim: str, case: str, otherwise: str) -> str:
+        """What is said where the claim fails on the case; `otherwise` where it has no hint."""
+        for (name, beginning), said in self.apart.items():
+            if name == claim and case.startswith(f"exercise/{beginning}"):
+                return said
+        return self.hints.get(claim, otherwise)
 
 
 @dataclass(frozen=True)
@@ -90,7 +100,7 @@ def told_through(exercise: Exercise, adapter: Adapter, declared: Declaration) ->
     told = []
     for name in (name for name in wanted if name in bad):
         _, smallest, detail = min(bad[name])
-        hint = exercise.hints.get(name, worker.claims[name].rule)
+        hint = exercise.hint(name, smallest, worker.claims[name].rule)
         told.append(Told(name, hint, smallest, detail, len(bad[name]), asked[name]))
     # What could not fail anywhere is no success.
     idle = [name for name in wanted if not asked.get(name)]
@@ -170,8 +180,8 @@ EXERCISES = {
             {
                 CLOSED: "There is a hole: the two cells at a face do not decide it alike.",
                 BILINEAR: "An ambiguous face is decided otherwise than its bilinear "
-                "interpolant says. A mean of four values knows nothing of where they stand; what "
-                "is the value at the point where the asymptotes meet?",
+                "interpolant says. Which corners of the face are inside, and on which side is the "
+                "way between them?",
             },
             fields.faces,
         ),
@@ -195,24 +205,32 @@ EXERCISES = {
             "The proof",
             {
                 CLOSED: "There is a hole: the two cells at a face have different segments there. "
-                "Both premises of the proof are in doubt. Is every cell that has an ambiguous face "
-                "asked? And do both cells come to the same decision where the saddle is as near to "
-                "the isovalue as two floats can be?",
+                "Is every cell that has an ambiguous face asked?",
                 BILINEAR: "An ambiguous face is decided otherwise than its bilinear interpolant "
                 "says, or is not decided at all.",
             },
             fields.saddles,
+            {
+                (CLOSED, "saddle-"): "There is a hole: the two cells at a face have different "
+                "segments there. Do both come to the same decision where the saddle is as near to "
+                "the isovalue as two floats can be?",
+            },
         ),
         Exercise(
             8,
             "Inside the cell: tunnels",
             {
                 CLOSED: "There is a hole.",
-                TRILINEAR: "A cell has not the topology of its trilinear interpolant: it has a "
-                "tunnel where there is none, or the tunnel joins the wrong side. How many axes "
-                "must agree, and on what? And which point tells what goes through the waist?",
+                TRILINEAR: "A cell has not the topology of its trilinear interpolant.",
             },
             fields.tunnels,
+            {
+                (TRILINEAR, "none-"): "A cell has a tunnel, and its trilinear interpolant has "
+                "none. What else does a tunnel need?",
+                (TRILINEAR, "tunnel-"): "The trilinear interpolant has a tunnel in a cell, and "
+                "your surface has none there, or one that joins the wrong corners. Which point "
+                "tells what goes through the waist?",
+            },
         ),
         Exercise(
             9,
@@ -253,7 +271,8 @@ EXERCISES = {
                 ORIENTED: "Two segments begin at one node, or end there: they do not run the same "
                 "way along the curve.",
                 SIDES: "The curve does not pass a face of the lattice as often, or not in the "
-                "direction, that the samples say.",
+                "direction, that the samples say. If the two numbers below differ in their signs "
+                "alone, it is the direction.",
                 VERTICES: "A node is not in a cell that both surfaces pass.",
             },
             fields.pairs_of_fields,
@@ -278,8 +297,7 @@ EXERCISES = {
                 "robustness.input_unmodified": "The samples are not what they were before the "
                 "call. Whose are they?",
                 ANSWERS: "A field gets an error and no answer. Look at its numbers: are they "
-                "whole, and does one of them equal the isovalue? Such a sample is inside, and not "
-                "neither.",
+                "whole, and does one of them equal the isovalue?",
                 CLOSED: "A contour ends inside the field, beside a sample that equals the "
                 "isovalue.",
                 "structure.no_repeated_index": "A segment begins and ends in the same point. Two "

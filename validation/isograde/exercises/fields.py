@@ -106,12 +106,13 @@ def saddles() -> list[Case]:
 def tunnels() -> list[Case]:
     """Cells with a tunnel and without, far from the change and near to it, both ways round."""
     found = []
+    kinds = ("tunnel", "none")
     for name in TUNNELS:
         for base in range(2):
             pairs = [far(name, 0, base), *([near(name, 0, 7)] if base == 0 else [])]
             cells = [one for pair in pairs for one in pair]
             found += [
-                case(f"tunnel-{name}-{base}-{k}-{'+' if sign > 0 else '-'}", sign * one)
+                case(f"{kinds[k % 2]}-{name}-{base}-{k}-{'+' if sign > 0 else '-'}", sign * one)
                 for k, one in enumerate(cells)
                 for sign in (1, -1)
             ]
