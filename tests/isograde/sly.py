@@ -144,7 +144,7 @@ ATTACKS: dict[str, Callable[[], Any]] = {
     "spoofs_negative_peak": lambda: spoofs({**OK, "peak": -5}, TRIANGLE),
     "spoofs_list_detail": lambda: spoofs({**OK, "detail": ["a"] * 1000}, TRIANGLE),
     "spoofs_one_array": lambda: spoofs(OK, [V]),
-    "spoofs_three_arrays": lambda: spoofs(OK, [V, F, F]),
+    "spoofs_four_arrays": lambda: spoofs(OK, [V, F, V, V]),
     "spoofs_no_arrays": lambda: spoofs(OK),
     "spoofs_texts": lambda: spoofs(OK, [np.array(["a"]), F]),
     "spoofs_voids": lambda: spoofs(OK, [np.zeros(3, "V8"), F]),

@@ -96,10 +96,10 @@ class ReadyMade:
         <BLANKLINE>
         <BLANKLINE>
         def surface(values, isovalue, spacing, method):
-            \"\"\"The surface by one of the two methods of `marching_cubes`.\"\"\"
+            \"\"\"The surface by one of the two methods of `marching_cubes`, with its normals.\"\"\"
             from skimage.measure import marching_cubes
         <BLANKLINE>
-            return marching_cubes(values, isovalue, spacing=spacing, method=method)[:2]
+            return marching_cubes(values, isovalue, spacing=spacing, method=method)[:3]
         <BLANKLINE>
         <BLANKLINE>
         extract = partial(surface, method='lewiner')
