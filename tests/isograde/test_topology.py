@@ -302,3 +302,16 @@ def test_sheets_that_meet_away_from_a_tie_are_seen_on_a_field_with_ties() -> Non
     assert judged("manifold", trial(field, vertices, joined)).verdict is Verdict.FAIL
     own = Declaration("", vertices="own", reach=1.0)
     assert judged("manifold", trial(field, vertices, joined, own)).verdict is Verdict.SKIP
+
+
+def test_a_lattice_of_its_own_may_be_tied_between_booleans() -> None:
+    """Found by ``make correct``: the mean of false and true is the isovalue, and no sample is."""
+    sheets = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]]
+    crowded = [[0, 1, 2], [1, 0, 4], [0, 1, 3], [1, 0, 5]]
+    soup = {"vertices": {"own": 1.0}, "mesh": {"soup": 0}}
+    booleans = np.arange(27).reshape(3, 3, 3) % 2 == 0
+    noise = np.random.default_rng(1).normal(size=(3, 3, 3))
+    for values, verdict in [(booleans, Verdict.SKIP), (noise, Verdict.FAIL)]:
+        field = Field.of(values)
+        one = trial(field, np.add(sheets, 1), crowded, declaration_from(soup, "x"), (0.5,))
+        assert judged("manifold", one).verdict is verdict
