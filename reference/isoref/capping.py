@@ -51,7 +51,7 @@ from typing import Any
 import numpy as np
 
 from isoref.attributes import cells_of_samples
-from isoref.degenerate import crowded_edges, fans
+from isoref.degenerate import crowded_edges, fans, three_corners
 from isoref.field import (
     Array,
     Booleans,
@@ -120,7 +120,7 @@ def capped(
     first = np.full(len(own), len(number))
     np.minimum.at(first, number, np.arange(len(number)))
     triangles = number[drawn.simplices]
-    kept = _three_corners(triangles)
+    kept = three_corners(triangles)
 
     mesh = Mesh(field.position(moved.index[first]), triangles[kept])
     if not provenance:
@@ -261,7 +261,7 @@ def _unharmed(drawn: Mesh, names: Integers) -> Integers:
         near = np.zeros(len(names), np.bool_)
         near[labels[drawn.simplices[merged[drawn.simplices].any(axis=1)]]] = True
         rows = labels[drawn.simplices]
-        rows = rows[near[rows].any(axis=1) & _three_corners(rows)]
+        rows = rows[near[rows].any(axis=1) & three_corners(rows)]
         bad = _harmed(rows, near)
         wrong = merged & bad[labels]
         if not wrong.any():
@@ -292,12 +292,6 @@ def _harmed(triangles: Integers, near: Booleans) -> Booleans:
     pinched = near & (fans(triangles, len(near)) > 1)
     bad[triangles[pinched[triangles].any(axis=1)]] = True
     return bad
-
-
-def _three_corners(triangles: Integers) -> Booleans:
-    """Which triangles have three corners."""
-    a, b, c = triangles.T
-    return np.asarray((a != b) & (b != c) & (c != a))
 
 
 def _without_frame(framed: Integers, shape: tuple[int, ...]) -> Integers:

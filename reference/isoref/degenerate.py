@@ -146,8 +146,7 @@ def _removal(
 def state(mesh: Mesh) -> State:
     """How good a manifold a mesh of triangles is."""
     triangles = mesh.simplices.astype(np.int64)
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    unique, counts = np.unique(sides(triangles), axis=0, return_counts=True)
     used = len(np.unique(triangles))
     return State(
         degenerate=int(degenerate(mesh).sum()),
@@ -158,14 +157,32 @@ def state(mesh: Mesh) -> State:
     )
 
 
+def sides(triangles: Integers) -> Integers:
+    """(3 S, 2) the edges of each triangle (S, 3), the lower number first.
+
+    >>> sides(np.array([[4, 2, 7]])).tolist()
+    [[2, 4], [2, 7], [4, 7]]
+    """
+    return np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+
+
+def three_corners(triangles: Integers) -> Booleans:
+    """(S,) which triangles have three corners.
+
+    >>> three_corners(np.array([[4, 2, 7], [4, 2, 4]])).tolist()
+    [True, False]
+    """
+    a, b, c = triangles.T
+    return np.asarray((a != b) & (b != c) & (c != a))
+
+
 def crowded_edges(triangles: Integers) -> Integers:
     """(E, 2) the edges that more than two of the triangles share.
 
     >>> crowded_edges(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]])).tolist()
     [[0, 1]]
     """
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    unique, counts = np.unique(sides(triangles), axis=0, return_counts=True)
     return np.asarray(unique[counts > 2])
 
 
@@ -213,8 +230,7 @@ def _welded(mesh: Mesh) -> Integers:
     """The triangles that keep three corners where vertices at one place are the first of them."""
     _, first, number = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
     rows = first[number.reshape(-1)][mesh.simplices].astype(mesh.simplices.dtype)
-    a, b, c = rows.T
-    return np.asarray(rows[(a != b) & (b != c) & (c != a)])
+    return np.asarray(rows[three_corners(rows)])
 
 
 def _extended(mesh: Mesh) -> tuple[Booleans, int]:

@@ -73,7 +73,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isoref.attributes import only
-from isoref.degenerate import degenerate, fans
+from isoref.degenerate import degenerate, fans, sides, three_corners
 from isoref.field import Booleans, FieldError, Floats, Integers
 from isoref.mesh import Mesh, Provenance
 
@@ -202,7 +202,7 @@ def _wrong(mesh: Mesh, target: Integers, label: Integers) -> Integers:
     """Vertices of the quotient that have a part in something wrong; only labelled ones count."""
     touched = mesh.simplices[(label[mesh.simplices] >= 0).any(axis=1)]
     rows = target[touched]
-    rows = rows[_whole(rows)]
+    rows = rows[three_corners(rows)]
     wrong = (
         rows[degenerate(Mesh(mesh.vertices, rows))],
         _repeated(rows),
@@ -211,11 +211,6 @@ def _wrong(mesh: Mesh, target: Integers, label: Integers) -> Integers:
         _wrong_vertices(target, label, touched, rows),
     )
     return np.concatenate([vertices.ravel() for vertices in wrong])
-
-
-def _whole(rows: Integers) -> Booleans:
-    """(S,) which triangles have three corners."""
-    return np.asarray((rows != np.roll(rows, 1, axis=1)).all(axis=1))
 
 
 def _repeated(rows: Integers) -> Integers:
@@ -241,10 +236,9 @@ def _wrong_edges(mesh: Mesh, target: Integers, label: Integers, touched: Integer
 
     An edge stands for those that map to it, less the triangles that do: 1 for a strip.
     """
-    sides = np.unique(np.sort(touched[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    sides = np.sort(target[sides], axis=1)
-    sides = sides[sides[:, 0] != sides[:, 1]]
-    edges, strip = np.unique(sides, axis=0, return_counts=True)
+    images = np.sort(target[np.unique(sides(touched), axis=0)], axis=1)
+    images = images[images[:, 0] != images[:, 1]]
+    edges, strip = np.unique(images, axis=0, return_counts=True)
 
     # Count the triangles that became the edge, and those that are on it.
     rows = np.sort(target[touched], axis=1)
@@ -277,8 +271,7 @@ def _wrong_vertices(
     """The labelled vertices that stand for no disc, or have not one fan."""
     # V - E + F of each group: a triangle, edge or vertex is in it when all its corners are.
     euler = np.bincount(target[label >= 0], minlength=len(target))
-    edges = np.sort(touched[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    for simplices, sign in ((np.unique(edges, axis=0), -1), (touched, 1)):
+    for simplices, sign in ((np.unique(sides(touched), axis=0), -1), (touched, 1)):
         images = target[simplices]
         within = (images == images[:, :1]).all(axis=1)
         euler += sign * np.bincount(images[within, 0], minlength=len(target))
@@ -297,6 +290,6 @@ def _separation(
     ends = np.where(labelled[:, None], sample[:, None], found.ends)
     origin = replace(found, ends=ends, t=np.where(labelled, 0.0, t))
     rows = target[mesh.simplices].astype(mesh.simplices.dtype)
-    apart = only(Mesh(mesh.vertices, rows, origin), _whole(rows))
+    apart = only(Mesh(mesh.vertices, rows, origin), three_corners(rows))
     count = len(np.unique(label[labelled]))
     return Separation(apart, count, int(moved.sum()), int(degenerate(apart).sum()))
