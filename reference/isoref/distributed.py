@@ -44,6 +44,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from isoref.fast.slabs import lattice_of
 from isoref.fast.sweep import block
 from isoref.field import Booleans, Field, FieldError, Floats, Integers, check_isovalue
 from isoref.mesh import Mesh
@@ -200,9 +201,7 @@ def extract(
     if method not in RULES:
         raise ValueError(f"no cube rule {method!r}; there are {', '.join(sorted(RULES))}")
     level = check_isovalue(isovalue)
-    if array.ndim != 3:
-        raise FieldError(f"an array of shape {array.shape} is no volume, which has three axes")
-    place = Field.of(np.zeros((1, 1, 1), array.dtype), spacing, origin, directions=directions)
+    place = lattice_of(array, spacing, origin, directions)
     straight = place.straight()
     asked = dask.delayed(piece, pure=True)
     tasks = [

@@ -273,11 +273,17 @@ def _check_samples(samples: Array, n: int) -> None:
         )
     if samples.size == 0:
         raise FieldError(f"an array of shape {samples.shape} has no samples")
+    check_finite(samples)
+
+
+def check_finite(samples: Array, first: int = 0) -> None:
+    """Raise FieldError unless all samples are finite; they are counted from plane `first` on."""
     # Look at both ends of the range: NaN is passed on by both, and no copy is made.
     if samples.dtype.kind == "f" and not np.isfinite([samples.min(), samples.max()]).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(samples))[0])
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(samples))[0])
+        where = (index[0] + first, *index[1:])
         raise FieldError(
-            f"sample {where} is {samples[where]}; replace or crop samples that are not finite"
+            f"sample {where} is {samples[index]}; replace or crop samples that are not finite"
         )
 
 

@@ -36,7 +36,7 @@ from numpy.typing import ArrayLike
 
 from isoref import asymptotic_decider
 from isoref.fast.sweep import pieces
-from isoref.field import Array, Field, FieldError, Integers, check_isovalue
+from isoref.field import Array, Field, FieldError, Integers, check_finite, check_isovalue
 from isoref.mesh import Mesh, Precision
 from isoref.rule import Rule
 from isoref.sweep import check_volume
@@ -102,15 +102,28 @@ def slabs(
         where `Field.of` would: at once for the lattice and the isovalue, for a sample that is not
         finite when its plane is read; and where single precision cannot number the vertices.
     """
-    lattice = Field.of(np.zeros((1, 1, 1), source.dtype), spacing, origin, directions=directions)
-    if len(source.shape) != 3:
-        raise FieldError(f"an array of shape {source.shape} is no volume, which has three axes")
+    lattice = lattice_of(source, spacing, origin, directions)
     if 0 in source.shape:
         raise FieldError(f"an array of shape {source.shape} has no samples")
     field = replace(lattice, values=cast(Array, _Planes(source)))
     straight = field.straight()
     check_volume(straight)
     return _placed(pieces(rule, straight, check_isovalue(isovalue), precision), field)
+
+
+def lattice_of(
+    source: Source,
+    spacing: float | Sequence[float] | None,
+    origin: Sequence[float] | None,
+    directions: ArrayLike | None,
+) -> Field:
+    """The place in space of a source, whose samples are not read: a field of one sample.
+
+    Raises `FieldError` for a source that is no volume of real numbers, and as `Field.of`.
+    """
+    if len(source.shape) != 3:
+        raise FieldError(f"an array of shape {source.shape} is no volume, which has three axes")
+    return Field.of(np.zeros((1, 1, 1), source.dtype), spacing, origin, directions=directions)
 
 
 def _placed(parts: Iterator[tuple[Array, Array]], field: Field) -> Iterator[Slab]:
@@ -156,10 +169,5 @@ class _Planes:
     def _read(self, start: int, stop: int) -> Array:
         """The samples of these planes, each a finite number; else a FieldError."""
         samples = np.asarray(self.source[start:stop])
-        if samples.dtype.kind == "f" and not np.isfinite([samples.min(), samples.max()]).all():
-            where = np.argwhere(~np.isfinite(samples))[0] + (start, 0, 0)
-            raise FieldError(
-                f"sample {tuple(where.tolist())} is {samples[tuple(where - (start, 0, 0))]}; "
-                "replace or crop samples that are not finite"
-            )
+        check_finite(samples, start)
         return samples

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from isograde.adapters import open_adapter
 from isograde.adapters.directory import DirectoryAdapter
 from isograde.adapters.process import ProcessAdapter
-from isograde.checking.checked import Advice, Checked, paste, place_of
+from isograde.checking.checked import Advice, Checked, paste
 from isograde.checking.small import small_cases
 from isograde.checking.trying import Try
 from isograde.declaration import Declaration
@@ -35,7 +35,7 @@ def check(spec: str, timeout: float = 10.0) -> Checked:
     >>> check("no-such-thing").started
     False
     """
-    checked = Checked(python=not spec.startswith(("exec:", "dir:")))
+    checked = Checked(python=not spec.startswith(("exec:", "dir:")), spec=spec)
     try:
         adapter = open_adapter(spec)
         declaration = adapter.open(Limits(seconds=timeout, megabytes=4096))
@@ -48,7 +48,7 @@ def check(spec: str, timeout: float = 10.0) -> Checked:
             checked.add(_files(adapter), "the folder")
         else:
             assert isinstance(adapter, ProcessAdapter), "every other adapter leads to a process"
-            _kinds(checked, adapter, declaration, spec)
+            _kinds(checked, adapter, declaration)
     finally:
         adapter.close()
     return checked
@@ -76,9 +76,7 @@ def _files(adapter: DirectoryAdapter) -> Iterator[Advice]:
         yield Verdict.FAIL, f"{name}: {reason}"
 
 
-def _kinds(
-    checked: Checked, adapter: ProcessAdapter, declaration: Declaration, spec: str = ""
-) -> None:
+def _kinds(checked: Checked, adapter: ProcessAdapter, declaration: Declaration) -> None:
     """Each of the smallest declared kinds is tried; `checked` has the declaration to paste."""
     kinds = sorted((Kind(*kind) for kind in declaration.limits.kinds), key=_size)
     told, nowhere, answered = declaration, False, False
@@ -101,8 +99,7 @@ def _kinds(
         left = len(kinds) - KINDS_TRIED
         checked.advice.append((Verdict.SKIP, f"{left} more kinds that it declares were not tried"))
     # Where a surface is not in its place, or there is none, no declaration helps.
-    checked.paste = paste(told, spec) if answered and not nowhere else ""
-    checked.where = place_of(spec)
+    checked.paste = paste(told, checked.spec) if answered and not nowhere else ""
 
 
 def _size(kind: Kind) -> tuple[bool, int, int]:

@@ -25,7 +25,7 @@ class Checked:
     """What was found: verdicts with a sentence each, and the declaration to paste.
 
     started : the implementation did
-    where : where the declaration goes, and what tells more
+    spec : how the implementation was named
     known : there is one of this name
     python : the implementation is a function in Python, and its author is advised in Python
     """
@@ -33,7 +33,7 @@ class Checked:
     started: bool = True
     advice: list[Advice] = fresh(default_factory=list)
     paste: str = ""
-    where: str = ""
+    spec: str = ""
     known: bool = True
     python: bool = True
 
@@ -57,8 +57,9 @@ class Checked:
         """Where the declaration goes, and the declaration as it is written there."""
         if self.paste == "{}":
             return ["Nothing has to be declared."]
-        shown = f"declaration = {self.paste}" if "module" in self.where else self.paste
-        return [self.where, shown] if self.paste else []
+        in_module = self.spec.startswith("python:")
+        shown = f"declaration = {self.paste}" if in_module else self.paste
+        return [place_of(self.spec), shown] if self.paste else []
 
     def _repr_html_(self) -> str:
         """The findings as a table, then the declaration to paste."""

@@ -58,11 +58,7 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
     """The reference's surfaces of a volume are in mesh files, where the volume stands."""
     _check(wanted, out)
     try:
-        stored = stored_named(volume, replace(asked, absent=wanted.absent))
-        if wanted.space:
-            stored = stored.in_space(wanted.space)
-        for note in stored.notes:
-            say(f"[dim]{escape(note)}[/]")
+        stored = _opened(volume, wanted, replace(asked, absent=wanted.absent))
         field, gone = present(stored) if wanted.absent else (stored.field, None)
         if gone is not None:
             say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
@@ -85,9 +81,7 @@ def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> N
     if out.suffix.lower() != ".ply":
         stop(Exit.WRONG_USE, f"--by-planes writes PLY, and {out} ends otherwise")
     try:
-        stored = stored_named(volume, replace(asked, stays=True))
-        if wanted.space:
-            stored = stored.in_space(wanted.space)
+        stored = _opened(volume, wanted, replace(asked, stays=True))
         place = Field.of_affine(np.zeros((1, 1, 1)), stored.affine)
         for number in wanted.isovalues:
             name = _named(out, number, wanted)
@@ -113,9 +107,7 @@ def extract_by_dask(volume: str, wanted: Wanted, out: Path, asked: Asked, addres
     try:
         arrays: Any = library("dask.array", "distributed")
         cluster: Any = library("distributed", "distributed")
-        stored = stored_named(volume, replace(asked, stays=True))
-        if wanted.space:
-            stored = stored.in_space(wanted.space)
+        stored = _opened(volume, wanted, replace(asked, stays=True))
         place = Field.of_affine(np.zeros((1, 1, 1)), stored.affine)
         array = arrays.from_array(stored.values, chunks="auto")
         try:
@@ -137,6 +129,16 @@ def extract_by_dask(volume: str, wanted: Wanted, out: Path, asked: Asked, addres
                 _tell(len(mesh.vertices), len(mesh.simplices), stored, name)
     except (VolumeError, FieldError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
+
+
+def _opened(volume: str, wanted: Wanted, asked: Asked) -> Stored:
+    """What is in a file, in the coordinates that are wanted; how it was read is told."""
+    stored = stored_named(volume, asked)
+    if wanted.space:
+        stored = stored.in_space(wanted.space)
+    for note in stored.notes:
+        say(f"[dim]{escape(note)}[/]")
+    return stored
 
 
 def _check_rule(wanted: Wanted, out: Path, option: str) -> None:
