@@ -104,7 +104,7 @@ class Package:
 def packages(names: Sequence[str] = ()) -> list[Package]:
     """The packages with these names or methods, or all; raises `LeagueError` for an unknown one."""
     found = [
-        Package(path.parent, tomllib.loads(path.read_text()))
+        Package(path.parent, tomllib.loads(path.read_text(encoding="utf-8")))
         for path in sorted(HERE.glob("*/league.toml"))
     ]
     known = {name for package in found for name in (package.name, *package.methods)}
@@ -130,11 +130,11 @@ def build(package: Package) -> None:
             "options": said.get("options", {}),
             "declaration": package.declaration(method),
         }
-        (package.built / f"{method}.json").write_text(json.dumps(told, indent=1))
+        (package.built / f"{method}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
         # The kit for Rust sends a declaration on as it is written, so on one line.
         said_alone = json.dumps(told["declaration"])
-        (package.built / f"{method}.declaration.json").write_text(said_alone)
-        (package.built / f"{method}.function").write_text(told["function"])
+        (package.built / f"{method}.declaration.json").write_text(said_alone, encoding="utf-8")
+        (package.built / f"{method}.function").write_text(told["function"], encoding="utf-8")
     install = package.said["install"]
     how = next((way for way in INSTALLERS if way in install), None)
     if how is None:
@@ -145,7 +145,10 @@ def build(package: Package) -> None:
     compiled = how == "cargo" or "make" in install
     given = '"$1.declaration.json" "$(cat "$1.function")"' if compiled else '"$1.json"'
     kept = "3>&1 1>&2" if compiled or how == "npm" else ""
-    script.write_text(f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} {given} {kept}\n')
+    script.write_text(
+        f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} {given} {kept}\n',
+        encoding="utf-8",
+    )
     script.chmod(0o755)
     (package.built / "ready").touch()
 
@@ -163,7 +166,7 @@ def _npm(package: Package, wanted: list[str]) -> str:
     """The service beside its own ``node_modules``."""
     shutil.copy(SERVICES / "serve.mjs", package.built)
     shutil.copy(KITS / "javascript" / "isograde.mjs", package.built)
-    (package.built / "package.json").write_text('{"private": true}\n')
+    (package.built / "package.json").write_text('{"private": true}\n', encoding="utf-8")
     _told(["npm", "install", "--no-audit", "--no-fund", *wanted], package.built)
     return "node serve.mjs"
 
@@ -173,7 +176,8 @@ def _cargo(package: Package, wanted: list[str]) -> str:
     for source in (KITS / "rust" / "src" / "isograde.rs", SERVICES / "league.rs"):
         shutil.copy(source, package.built / "src")
     (package.built / "Cargo.toml").write_text(
-        '[package]\nname = "row"\nversion = "1.0.0"\nedition = "2021"\n\n[workspace]\n'
+        '[package]\nname = "row"\nversion = "1.0.0"\nedition = "2021"\n\n[workspace]\n',
+        encoding="utf-8",
     )
     for crate in wanted:
         _told(["cargo", "add", "--quiet", crate], package.built)
@@ -239,7 +243,7 @@ def about() -> dict[str, About]:
     for package in packages():
         for method, said in package.said["methods"].items():
             known[method] = _about(package.said, said["calls"])
-    installed = tomllib.loads((HERE / "installed.toml").read_text())
+    installed = tomllib.loads((HERE / "installed.toml").read_text(encoding="utf-8"))
     for name in ready_made_names():
         if (library := name.split(":")[0]) in installed:
             known[name] = _about(installed[library], "")
@@ -277,7 +281,9 @@ def page() -> Path:
         reason = package.built / "failed.txt"
         for method in package.methods:
             if method not in links:
-                failed = reason.exists() and reason.read_text().strip().splitlines()[0]
+                failed = (
+                    reason.exists() and reason.read_text(encoding="utf-8").strip().splitlines()[0]
+                )
                 absent[method] = failed or "not graded yet"
     known = about()
     reports.write_whole(REPORTS / "league.md", twelve_lines(found, known))
@@ -354,7 +360,7 @@ def _row(package: Package, given: argparse.Namespace) -> bool:
     except LeagueError as error:
         print(f"{package.name}: {error}", file=sys.stderr, flush=True)
         package.built.mkdir(parents=True, exist_ok=True)
-        (package.built / "failed.txt").write_text(f"{error}\n")
+        (package.built / "failed.txt").write_text(f"{error}\n", encoding="utf-8")
         return False
     return True
 
