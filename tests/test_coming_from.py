@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import inspect
 import os
 import textwrap
@@ -17,6 +16,8 @@ from isoref.mesh import Mesh
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from tests.loading import module_at
+
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "coming_from"
 Array = NDArray[Any]
@@ -24,12 +25,7 @@ Array = NDArray[Any]
 
 def ours(name: str) -> ModuleType:
     """The module of the page for one library."""
-    spec = importlib.util.spec_from_file_location(f"coming_from_{name}", FOLDER / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(FOLDER / f"{name}.py", f"coming_from_{name}")
 
 
 def volumes() -> dict[str, tuple[Array, float]]:
@@ -129,11 +125,7 @@ def test_scikit_images_own_suite_passes() -> None:
             "this scikit-image brings no tests: set SKIMAGE_TESTS to test_marching_cubes.py out "
             "of a wheel before 0.26"
         )
-    spec = importlib.util.spec_from_file_location("their_suite", path)
-    assert spec is not None
-    assert spec.loader is not None
-    suite = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(suite)
+    suite = module_at(path, "their_suite")
     suite.marching_cubes = ours("scikit_image").marching_cubes  # type: ignore[attr-defined]
     tests = [getattr(suite, name) for name in dir(suite) if name.startswith("test_")]
     assert len(tests) == 8

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import doctest
-import importlib.util
 import re
 import subprocess
 import sys
@@ -20,6 +19,7 @@ from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
 from isoref.methods import RULES
 
 from tests.browser import found
+from tests.loading import module_at
 
 ROOT = Path(__file__).parent.parent.parent
 COURSE = ROOT / "docs" / "course"
@@ -32,13 +32,7 @@ KINDS = {"", "noise", "smooth", "gyroid", "balls"}
 @pytest.fixture(scope="module")
 def figures() -> ModuleType:
     """The program that makes the films."""
-    spec = importlib.util.spec_from_file_location("course_figures", COURSE / "figures.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return module_at(COURSE / "figures.py", "course_figures")
 
 
 def number(lesson: Path) -> int:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,6 +22,7 @@ from isoref.rule import Rule
 from isoref.sweep import cell_crossings
 
 from tests.browser import chromium, found
+from tests.loading import module_at
 
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "explorer"
 PAGE = FOLDER / "explorer.html"
@@ -41,13 +40,7 @@ def page() -> str:
 @pytest.fixture(scope="module")
 def tables() -> ModuleType:
     """The program that makes the tables."""
-    spec = importlib.util.spec_from_file_location("explorer_tables", FOLDER / "tables.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return module_at(FOLDER / "tables.py", "explorer_tables")
 
 
 @pytest.fixture(scope="module")

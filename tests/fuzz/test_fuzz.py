@@ -56,6 +56,7 @@ def test_what_was_found_is_read_or_refused(path: Path, place: Path) -> None:
 
 def test_every_reader_reads_its_seeds(place: Path) -> None:
     """Changes of what is refused anyway would try nothing."""
+    assert READERS
     for one in READERS.values():
         for ending, seeds in one.seeds().items():
             said = [run.tried(one, place, ending, seed) for seed in seeds]

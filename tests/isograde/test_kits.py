@@ -1,6 +1,5 @@
 """Kits for other languages: their tables, and each project built, asked, and judged."""
 
-import importlib.util
 import json
 import shlex
 import shutil
@@ -30,6 +29,8 @@ from isoref.mesh import Mesh
 from isoref.rule import Rule, Tile
 from typer.testing import CliRunner
 
+from tests.loading import module_at
+
 LONGEST = 150
 TYPES = ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "b1")
 
@@ -37,12 +38,7 @@ TYPES = ("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8", "b1")
 def _tables() -> ModuleType:
     """The program that writes the tables, which is in no package."""
     path = Path(__file__).parents[2] / "validation" / "kits" / "tables.py"
-    spec = importlib.util.spec_from_file_location("tables", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(path, "tables")
 
 
 tables = _tables()

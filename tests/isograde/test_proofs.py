@@ -1,6 +1,5 @@
 """The theorem in Coq: that it is whole, that it speaks of our numbering, and that it can refuse."""
 
-import importlib.util
 import json
 import re
 import shutil
@@ -19,6 +18,8 @@ from isoref.fast.sweep import sweep
 from isoref.field import Field
 from isoref.methods import RULES
 
+from tests.loading import module_at
+
 PROOFS = Path(__file__).parents[2] / "validation" / "proofs"
 NAME = "marching-vesta-connect-L"
 WITH_COQ = pytest.mark.skipif(shutil.which("coqc") is None, reason="there is no coqc here")
@@ -36,12 +37,7 @@ def run(
 
 def export_module() -> ModuleType:
     """The program that writes tiles for Coq."""
-    spec = importlib.util.spec_from_file_location("proofs_export", PROOFS / "export.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_at(PROOFS / "export.py", "proofs_export")
 
 
 def test_nothing_is_admitted() -> None:

@@ -1,8 +1,6 @@
 """The league: whole recipes, known declarations; three packages are built and called."""
 
-import importlib.util
 import shutil
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -12,18 +10,14 @@ from isograde.checking import check
 from isograde.declaration import declaration_from
 from isograde.model import Limits
 
+from tests.loading import module_at
+
 HERE = Path(__file__).parents[2] / "validation" / "league"
 
 
 def _league() -> ModuleType:
     """The program, which is in no package."""
-    spec = importlib.util.spec_from_file_location("league", HERE / "league.py")
-    assert spec is not None
-    assert spec.loader is not None
-    made = importlib.util.module_from_spec(spec)
-    sys.modules["league"] = made
-    spec.loader.exec_module(made)
-    return made
+    return module_at(HERE / "league.py", "league")
 
 
 league = _league()

@@ -1,11 +1,12 @@
 """The modules of a paper's folder, loaded as the paper's own program finds them."""
 
 import importlib
-import importlib.util
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+
+from tests.loading import module_at
 
 PAPERS = Path(__file__).parents[2] / "papers"
 
@@ -28,11 +29,4 @@ def importer(paper: str) -> Callable[[str], ModuleType]:
 def _own(path: Path) -> ModuleType:
     """The module of this file, loaded once, under the name of its folder and its own."""
     name = f"{path.parent.name}_{path.stem}"
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-    return sys.modules[name]
+    return sys.modules.get(name) or module_at(path, name)
