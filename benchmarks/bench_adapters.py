@@ -14,9 +14,9 @@ from pathlib import Path
 from bench_extraction import sphere
 from isograde.adapters import open_adapter
 from isograde.model import Adapter, Limits, Request
+from isograde.stopwatch import interleave, machine_state
 from isoref.field import Field
 from skimage.measure import marching_cubes
-from stopwatch import interleave, machine_state
 
 NAME = "skimage:lewiner"
 # Small fields are asked many times, so that a round takes some hundredths of a second.

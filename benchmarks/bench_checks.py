@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 from bench_extraction import gyroid
 from isograde.oracles.complexes import Complex
+from isograde.stopwatch import interleave, machine_state
 from isoref.field import Field
 from isoref.mesh import Mesh
 from isoref.methods import METHODS
-from stopwatch import interleave, machine_state
 
 Run = Callable[[], object]
 # What each library was asked, beside the table.

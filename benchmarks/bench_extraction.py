@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 from isograde.cases.volumes import REGISTRY, find, read
+from isograde.stopwatch import interleave, machine_state, peak_memory
 from isoref.fast.sweep import sweep
 from isoref.field import Array, Field
 from isoref.methods import METHODS, RULES
 from scipy.ndimage import gaussian_filter
-from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 DECIDER = RULES["asymptotic-decider"]

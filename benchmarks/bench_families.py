@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 from bench_extraction import gyroid, noise, sphere
+from isograde.stopwatch import interleave, machine_state, peak_memory
 from isoref.field import Array, Field
 from isoref.methods import METHODS
-from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], int]
 FIELDS: dict[str, Callable[[], Array]] = {

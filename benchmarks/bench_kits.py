@@ -21,8 +21,8 @@ from bench_extraction import sphere
 from isograde.adapters import open_adapter
 from isograde.commands.kits import KITS, folder_of, write
 from isograde.model import Adapter, Limits, Request
+from isograde.stopwatch import interleave, machine_state
 from isoref.field import Field
-from stopwatch import interleave, machine_state
 
 PEER = "isoref:marching-vesta-disconnect-L"
 # Small fields are asked many times, so that a round takes some hundredths of a second.

@@ -15,12 +15,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from isograde.stopwatch import interleave, machine_state, peak_memory
 from isoref.curves import real_and_imaginary
 from isoref.fast import surface_intersection
 from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
 from isoref.plane_waves import random_waves
-from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 

@@ -14,12 +14,12 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
+from isograde.stopwatch import interleave, machine_state, peak_memory
 from isoref.dyadic import Samples, SlopeBound
 from isoref.fast.dyadic import dyadic_tree, extract_dyadic
 from isoref.fast.simplicial import extract
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
-from stopwatch import interleave, machine_state, peak_memory
 
 Make = Callable[[], Mesh]
 

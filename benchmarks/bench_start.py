@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from stopwatch import machine_state
+from isograde.stopwatch import machine_state
 
 NUMPY = ("-c", "import numpy")
 # The contestants, with how many times NumPy's import each may take.

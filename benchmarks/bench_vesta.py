@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
 from isograde.cases.volumes import REGISTRY, find, read
+from isograde.stopwatch import interleave, machine_state, peak_memory
 from isoref.diconex import diconex as diconex_plainly
 from isoref.fast.diconex import diconex
 from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from isoref.vesta import extract as extract_plainly
-from stopwatch import interleave, machine_state, peak_memory
 
 Run = Callable[[], object]
 PAIRS = ("disconnect-L", "mixed-L", "mixed-H")

@@ -176,6 +176,7 @@ class Outcome:
     detail : the error's text, or what was wrong with the answer
     input_changed : the implementation wrote into the array it was given
     seconds, peak_bytes : cost of the call, as measured in the implementation's process
+    processor : seconds of the processors, of all threads; None where that process does not tell
     normals : (V, n) what came beside them, a normal for each vertex; None where none came
     """
 
@@ -187,6 +188,7 @@ class Outcome:
     seconds: float = 0.0
     peak_bytes: int = 0
     normals: NDArray[Any] | None = None
+    processor: float | None = None
 
     @cached_property
     def mesh(self) -> Mesh | None:

@@ -23,6 +23,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ import versions
 from isograde.adapters import open_adapter
 from isograde.model import Adapter, AdapterError, Limits, Request, Status
 from isograde.report.speed import BUSY
+from isograde.stopwatch import Cost, in_turn
 from isoref import Field
 
 PEER = ("skimage", "skimage:lewiner")
@@ -102,13 +104,22 @@ def _in_turn(both: Sequence[Asked], rounds: int) -> dict[str, Any]:
     loads, found = [os.getloadavg()[0]], {}
     for name, values in fields().items():
         memory = [one.cost(values)[2] for one in both]
-        costs: list[list[list[float]]] = [[], []]
-        for turn in range(rounds):
-            for at in (0, 1) if turn % 2 else (1, 0):
-                costs[at].append([round(number, 6) for number in both[at].cost(values)[:2]])
+        own, peer = (partial(_asked, one, values) for one in both)
+        costs = {
+            timing.name: [
+                [round(seconds, 6), round(processor, 6)]
+                for seconds, processor in zip(timing.seconds, timing.processor, strict=True)
+            ]
+            for timing in in_turn({"own": own, "peer": peer}, rounds)
+        }
         loads.append(os.getloadavg()[0])
-        found[name] = {"own": costs[0], "peer": costs[1], "megabytes": memory}
+        found[name] = {**costs, "megabytes": memory}
     return {"fields": found, "loads": loads}
+
+
+def _asked(one: Asked, values: np.ndarray[Any, Any]) -> Cost:
+    """What one call costs."""
+    return Cost(*one.cost(values)[:2])
 
 
 def asked(names: Sequence[str]) -> Iterator[tuple[league.Package, str, str]]:

@@ -98,10 +98,19 @@ def _outcome(said: Header, arrays: Arrays) -> Outcome:
     numbers = all(array.dtype.kind in "biuf" for array in arrays)
     if not numbers or (status is Status.OK) != (len(arrays) in (2, 3)):
         raise Ended(Status.GARBAGE, "the worker's answer is none: no two arrays of numbers")
-    cost = {"seconds": max(0.0, seconds) if math.isfinite(seconds) else 0.0, "peak_bytes": peak}
+    seconds = max(0.0, seconds) if math.isfinite(seconds) else 0.0
     changed = bool(said.get("changed"))
     told = str(said.get("detail", ""))
-    return Outcome(status, vertices, simplices, told, changed, normals=normals, **cost)  # type: ignore[arg-type]
+    return Outcome(
+        status, vertices, simplices, told, changed, seconds, peak, normals, _seconds(said)
+    )
+
+
+def _seconds(said: Header) -> float | None:
+    """The processor's seconds that the worker tells, None where they are no such number."""
+    told = said.get("processor")
+    usable = isinstance(told, int | float) and math.isfinite(told) and told >= 0
+    return float(told) if usable else None
 
 
 def _strides(values: NDArray[Any]) -> Sequence[int]:

@@ -13,8 +13,9 @@ load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"decla
 run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "writeable": bool,
         "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples; where they are
         samples of a known function, that one too, pickled: "function". Answered by the same ``id``
-        with ``{"status": .., "detail": .., "changed": .., "seconds": .., "peak": ..}`` and, where
-        the status is "ok", vertices, simplices and, where they came, normals
+        with ``{"status": .., "detail": .., "changed": .., "seconds": .., "processor": ..,
+        "peak": ..}`` and, where the status is "ok", vertices, simplices and, where they came,
+        normals
 """
 
 from __future__ import annotations
@@ -135,7 +136,7 @@ def _call(
         extract = partial(extract, function=pickle.loads(base64.b64decode(header["function"])))
     asked = Asked(extract, given, places, kind, memory)
     status, detail, arrays = _outcome(asked, header["calls"])
-    cost = {"seconds": asked.seconds, "peak": asked.bytes}
+    cost = {"seconds": asked.seconds, "processor": asked.processor, "peak": asked.bytes}
     report: Header = {"status": status, "detail": detail, **cost}
     return {**report, "id": header["id"], "changed": _differ(samples, given)}, arrays
 
@@ -192,6 +193,7 @@ class Asked:
     """An implementation and a request, and what the last call cost.
 
     seconds : that it took; of the processor, for a timed request
+    processor : seconds of the processors, of all threads
     bytes : by which the resident memory grew meanwhile; of many calls, what they left behind
     """
 
@@ -201,14 +203,17 @@ class Asked:
     kind: Kind
     memory: Memory
     seconds: float = 0.0
+    processor: float = 0.0
     bytes: int = 0
 
     def answer(self, samples: NDArray[Any]) -> object:
         """What the implementation returns for these samples; its cost is known."""
-        before, start = self.memory.reset(), time.perf_counter()
+        before = self.memory.reset()
+        start, used = time.perf_counter(), time.process_time()
         try:
             return self.extract(samples, *self.places)
         finally:
+            self.processor = time.process_time() - used
             self.seconds = time.perf_counter() - start
             self.bytes = max(0, self.memory.peak() - before)
 

@@ -9,9 +9,11 @@ and over rounds its median and quartiles are told.
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from isograde.stopwatch import quartiles
 
 # A machine with more load than this on each processor is busy.
 BUSY = 0.75
@@ -92,7 +94,7 @@ def measured(record: Mapping[str, Any], name: str, peer: str) -> Measured | None
 def _cost(field: str, said: Mapping[str, Any]) -> Cost:
     """The cost on one field."""
     own, peer = said["own"], said["peer"]
-    middle, low, high = _quartiles([a[1] / b[1] for a, b in zip(own, peer, strict=True)])
+    middle, low, high = quartiles([a[1] / b[1] for a, b in zip(own, peer, strict=True)])
     megabytes = (float(said["megabytes"][0]), float(said["megabytes"][1]))
     return Cost(
         field,
@@ -105,17 +107,3 @@ def _cost(field: str, said: Mapping[str, Any]) -> Cost:
         megabytes,
         len(own),
     )
-
-
-def _quartiles(ratios: Sequence[float]) -> tuple[float, float, float]:
-    """Median, lower and upper quartile.
-
-    >>> _quartiles([1.0, 2.0, 3.0])
-    (2.0, 1.5, 2.5)
-    >>> _quartiles([4.0])
-    (4.0, 4.0, 4.0)
-    """
-    if len(ratios) == 1:
-        return ratios[0], ratios[0], ratios[0]
-    low, middle, high = statistics.quantiles(ratios, n=4, method="inclusive")
-    return middle, low, high
