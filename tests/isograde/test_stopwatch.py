@@ -68,7 +68,12 @@ def test_seconds_of_the_clock_are_not_compared_with_those_of_a_processor() -> No
 
 def test_no_round_is_begun_after_the_time_but_the_least_are_made() -> None:
     """A slow call costs so many rounds, and no more."""
-    slow = {"slow": lambda: Cost(time.sleep(0.01) or 1.0)}
+
+    def asked() -> Cost:
+        time.sleep(0.01)
+        return Cost(1.0)
+
+    slow = {"slow": asked}
     assert len(in_turn(slow, 9, seconds=0.0, least=2)[0].seconds) == 2
     assert len(in_turn(slow, 4, seconds=60.0)[0].seconds) == 4
 

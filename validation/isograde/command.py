@@ -222,6 +222,40 @@ def search_(
     searching.search(implementation, minutes, cases, tuple(only or ()), known, seed, limits)
 
 
+@app.command(name="bench")
+def bench_(
+    implementation: Annotated[
+        str,
+        typer.Argument(
+            metavar="IMPLEMENTATION",
+            help="python:module:function, exec:command, or a ready-made name (list them).",
+        ),
+    ],
+    against: Annotated[
+        str | None,
+        typer.Option(metavar="OTHER", help="The peer; by default a library that is installed."),
+    ] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder of the page.")] = (
+        Path("bench")
+    ),
+    rounds: Annotated[int, typer.Option(min=1, max=1000, help="Rounds a field, at most.")] = 7,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Small fields and few rounds: does it run at all?")
+    ] = False,
+    timeout: Annotated[
+        float, typer.Option(min=0.01, callback=_finite, help="Seconds a call may take.")
+    ] = 30.0,
+    memory: Annotated[int, typer.Option(min=16, help="Megabytes it may hold.")] = 4096,
+) -> None:
+    """Time it beside a peer, in turn: against samples, active cells and vertices, with plots."""
+    from isograde.benching import Plan
+    from isograde.commands import benching
+    from isograde.model import Limits
+
+    plan = Plan(min(rounds, 3), 1.0, True) if quick else Plan(rounds)
+    benching.run(implementation, against, out, plan, Limits(timeout, memory))
+
+
 @app.command(name="check")
 def check_(
     implementation: Spec,

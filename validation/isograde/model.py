@@ -128,8 +128,9 @@ class Case:
 
 # How a request is put: once, as most are; or, by adapters that call in their own process, so that
 # a second answer is made before the first is read ("kept"), from several threads at once
-# ("threads"), so many times that what is never given back shows ("many"), or timed ("timed").
-Calls = Literal["once", "kept", "threads", "many", "timed"]
+# ("threads"), so many times that what is never given back shows ("many"), timed ("timed"), or by a
+# process that gave back what it could before, so that what the call adds shows ("trimmed").
+Calls = Literal["once", "kept", "threads", "many", "timed", "trimmed"]
 
 
 @dataclass(frozen=True)

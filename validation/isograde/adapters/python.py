@@ -109,8 +109,9 @@ def _outcome(said: Header, arrays: Arrays) -> Outcome:
 def _seconds(said: Header) -> float | None:
     """The processor's seconds that the worker tells, None where they are no such number."""
     told = said.get("processor")
-    usable = isinstance(told, int | float) and math.isfinite(told) and told >= 0
-    return float(told) if usable else None
+    if isinstance(told, int | float) and math.isfinite(told) and told >= 0:
+        return float(told)
+    return None
 
 
 def _strides(values: NDArray[Any]) -> Sequence[int]:
