@@ -1,7 +1,8 @@
 """Count, compare, draw: what is true of a cell, and who has it right.
 
-Run it from anywhere: ``python papers/trilinear/reproduce.py``. It writes the report
-reports/papers/trilinear.md and pictures beside it. Real volumes are looked for in the folder that
+Run it from anywhere: ``python papers/trilinear/reproduce.py``. It writes the reports
+reports/papers/trilinear.md and trilinear/implementations.md, and pictures beside them; ``--part``
+writes one of the two. Real volumes are looked for in the folder that
 ISOGRADE_DATA names; libraries that are not installed get a row that says so. The whole takes some
 ten minutes on an idle core; ``--quick`` uses a twentieth of the cells and says so.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -44,35 +46,66 @@ PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
 "paper", which are printed, and the zeros under "expected"; the other numbers under "expected" are
 totals of this run. The truth is `isograde.oracles.trilinear`, its list of cases
-`isograde.oracles.trilinear_cases`, the extractor `isoref.trilinear_cubes`. A guided
-reading is in `papers/trilinear/README.md`.
+`isograde.oracles.trilinear_cases`, the extractor `isoref.trilinear_cubes`. What is asked of every
+implementation is [a page of its own](trilinear/implementations.md). A guided reading is in
+`papers/trilinear/README.md`.
+"""
+OPENING_OF_IMPLEMENTATIONS = """Made by `papers/trilinear/reproduce.py --part implementations`,
+which asks every ready-made implementation and computes every number. The truth is
+[the page beside it](../trilinear.md).
 """
 
 
 def main() -> None:
-    """The report and its pictures, in reports/papers of this repository or in --out."""
+    """The reports and their pictures, in reports/papers of this repository or in --out."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE.parents[1] / "reports" / "papers")
     parser.add_argument("--quick", action="store_true", help="a twentieth of the cells")
     parser.add_argument("--jobs", type=int, default=2, help="how many processes, default 2")
+    told = "which page to write, default both: cells (the truth, and isoref), implementations"
+    parser.add_argument("--part", choices=("cells", "implementations"), help=told)
     options = parser.parse_args()
     share = 20 if options.quick else 1
-    folder = options.out / "trilinear"
+    if options.part != "implementations":
+        write_cells(options.out, share, options.jobs)
+    if options.part != "cells":
+        write_implementations(options.out, share, options.jobs)
+
+
+def write_cells(out: Path, share: int, jobs: int) -> None:
+    """The page on the truth, its checks and trilinear cubes is written; every share-th cell."""
+    folder = out / "trilinear"
     figures.draw_cases(folder / "cases.png")
     figures.draw_tunnel(folder / "tunnel.png")
-    parts: list[Table | str] = [OPENING]
-    if options.quick:
-        parts.append("**A quick run: a twentieth of the cells.**")
-    limits = (2, 3, 4, 6) if share == 1 else (4, 8)
-    with ProcessPoolExecutor(options.jobs) as pool:
+    with ProcessPoolExecutor(jobs) as pool:
         truth = [pool.submit(part, share) for part in (checked_by_refinement, reference_agrees)]
         real = pool.submit(real_volumes)
+        counted = how_many_cases(share)
+        parts = [*counted, *(part.result() for part in truth), real.result()]
+    opening = [OPENING, *quick(share)]
+    _write(out / "trilinear.md", "The topology of the trilinear interpolant", [*opening, *parts])
+
+
+def write_implementations(out: Path, share: int, jobs: int) -> None:
+    """The page that asks every implementation is written; every share-th cell."""
+    limits = (2, 3, 4, 6) if share == 1 else (4, 8)
+    with ProcessPoolExecutor(jobs) as pool:
         compared = libraries.compared(agreement.posed(share), limits, pool)
-        beside = libraries.beside_topology(pool)
-        parts += [*how_many_cases(share), *(part.result() for part in truth), real.result()]
-    parts += [*compared, *beside]
-    write_report(options.out / "trilinear.md", "The topology of the trilinear interpolant", parts)
-    print(f"wrote {options.out / 'trilinear.md'}")
+        parts = [*compared, *libraries.beside_topology(pool)]
+    opening = [OPENING_OF_IMPLEMENTATIONS, *quick(share)]
+    title = "Implementations beside the trilinear interpolant"
+    _write(out / "trilinear" / "implementations.md", title, [*opening, *parts])
+
+
+def quick(share: int) -> list[str]:
+    """What is said of a run of a part of the cells."""
+    return ["**A quick run: a twentieth of the cells.**"] if share > 1 else []
+
+
+def _write(path: Path, title: str, parts: Sequence[Table | str]) -> None:
+    """The page is written, and said to be."""
+    write_report(path, title, parts)
+    print(f"wrote {path}")
 
 
 def how_many_cases(share: int) -> list[Table | str]:

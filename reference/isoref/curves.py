@@ -20,7 +20,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isoref.field import Field, FieldError, Floats, Integers, check_isovalue, check_straight
+from isoref.field import (
+    Booleans,
+    Field,
+    FieldError,
+    Floats,
+    Integers,
+    check_isovalue,
+    check_straight,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +63,21 @@ def curves_through(points: Floats, closed: bool) -> list[Curve]:
     >>> curves_through(np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0]]), closed=False)
     [Curve(2 points, open, length 1)]
     """
+    new = moved_on(points, closed)
+    return [Curve(points[new], closed)] if new.sum() > 1 else []
+
+
+def moved_on(points: Floats, closed: bool) -> Booleans:
+    """(N,) which points do not stand where the one before them does.
+
+    >>> moved_on(np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]]), closed=True).tolist()
+    [False, True, False, True]
+    """
     new = np.ones(len(points), bool)
     new[1:] = (points[1:] != points[:-1]).any(axis=1)
     if closed and (points[0] == points[-1]).all():
         new[0] = False
-    return [Curve(points[new], closed)] if new.sum() > 1 else []
+    return new
 
 
 def follow(successor: Integers) -> list[tuple[Integers, bool]]:

@@ -36,7 +36,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isoref.curves import Curve
+from isoref.curves import Curve, moved_on
 from isoref.fast.marching_faces import Pair, join, marching_faces
 from isoref.field import Field, Floats
 from isoref.marching_faces import FaceRule, units
@@ -58,12 +58,9 @@ def smooth_curves(
     found = []
     for chain, closed in join(points, Pair(first, second, isovalues, rule)):
         places, tangents = points.positions[chain], points.tangents[chain]
-        # Leave out points that stand where the one before stands.
-        fresh = np.append(True, (np.diff(places, axis=0) != 0).any(axis=1))
-        if closed and len(places) > 1 and (places[0] == places[-1]).all():
-            fresh[-1] = False
-        if fresh.sum() > 1:
-            found.append(Curve(hermite(places[fresh], tangents[fresh], closed, parts), closed))
+        new = moved_on(places, closed)
+        if new.sum() > 1:
+            found.append(Curve(hermite(places[new], tangents[new], closed, parts), closed))
     return found
 
 

@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from isograde.adapters.conventions import to_house
+from isograde.adapters.forms import arrays_from
 from isograde.adapters.libraries import isoref
 from isograde.cases import all_cases
 from isograde.cases.curves import COARSE
 from isograde.claims.curves import CLAIMS
-from isograde.declaration import declaration_from
-from isograde.model import Verdict
+from isograde.declaration import Conventions, declaration_from
+from isograde.model import CURVES as CURVES_KIND
+from isograde.model import Outcome, Request, Status, Verdict
 from isograde.oracles import space_curves
 from isograde.oracles.space_curves import Points, is_closed
+from isoref.field import Field
 
 from tests.isograde.judging import Here, grade
 
@@ -57,7 +61,8 @@ def test_the_reference_passes(name: str) -> None:
 def test_the_other_method_passes_on_a_knot_and_on_equal_surfaces() -> None:
     """Ljung and Ynnerman's two ways agree on what is known."""
     verdicts = found(by_triangles, ["curves/trefoil", "curves/identical"])
-    assert set(verdicts) == {claim.id.removeprefix("curves.") for claim in CLAIMS}
+    names = {claim.id.removeprefix("curves.") for claim in CLAIMS} - {"confidence"}
+    assert set(verdicts) == names
     assert all(said == {Verdict.PASS} for said in verdicts.values()), verdicts
 
 
@@ -82,6 +87,17 @@ def halved(curves: list[Points]) -> list[Points]:
     return [np.concatenate([c[: len(c) // 4], c[3 * len(c) // 4 :]]) for c in curves]
 
 
+def directed(change: Callable[[Points], Points]) -> Extract:
+    """The reference with its vectors changed."""
+
+    def function(values: Any, isovalues: Any, spacing: Any) -> Any:
+        one, other = values
+        found = isoref.directed_curves(one, other, isovalues[0], isovalues[1], spacing)
+        return (*found[:2], change(found[2]))
+
+    return function
+
+
 # For each claim an implementation that it catches, the case where it does, and what follows.
 BROKEN: dict[str, tuple[Extract, str, set[str]]] = {
     "count": (changed(opened), "curves/two-spheres", {"linking"}),
@@ -92,6 +108,12 @@ BROKEN: dict[str, tuple[Extract, str, set[str]]] = {
     ),
     "on_surfaces": (changed(lambda c: [one + 0.02 for one in c]), "curves/two-spheres", set()),
     "covers": (changed(halved), "curves/two-spheres", set()),
+    # The tangents alone, whatever the confidence in them.
+    "confidence": (
+        directed(lambda v: v / np.linalg.norm(v, axis=1, keepdims=True)),
+        "curves/directed/two-spheres",
+        set(),
+    ),
     "identical": (
         lambda *_: [np.array([[0, 0.1, 0.1], [0, 0.2, 0.2]])],
         "curves/identical",
@@ -146,3 +168,53 @@ def test_cases_sample_the_known_curves() -> None:
     assert case.facts["closed"] == 1
     assert CURVES["curves/two-isovalues"].isovalues == (0.7, -1.3)
     assert {f"curves/{make().name}" for make in space_curves.KNOWN} <= set(CURVES)
+
+
+DIRECTED = [name for name, case in CURVES.items() if "directed" in case.tags]
+
+
+@pytest.mark.parametrize("name", DIRECTED)
+def test_tangents_are_as_long_as_the_confidence_in_them(name: str) -> None:
+    """Ljung and Ynnerman, section 6; either way along the curves, all of them alike."""
+    for sign in (1, -1):
+        verdicts = found(directed(lambda v, sign=sign: sign * v), [name])  # type: ignore[misc]
+        assert verdicts == {"confidence": {Verdict.PASS}}
+
+
+def test_a_wrong_vector_is_caught_and_none_is_no_evidence() -> None:
+    """Exchanged axes, a forgotten field, vectors that run either way; curves without any."""
+    name = ["curves/directed/two-spheres"]
+    wrong: list[Callable[[Points], Points]] = [
+        lambda v: v[:, ::-1],
+        lambda v: np.where(np.arange(len(v))[:, None] % 3 == 0, -v, v),
+        lambda v: v * np.nan,
+        lambda v: 0 * v,
+    ]
+    for change in wrong:
+        assert found(directed(change), name) == {"confidence": {Verdict.FAIL}}
+    assert found(reference, name) == {"confidence": {Verdict.SKIP}}
+
+
+@pytest.mark.parametrize("name", ["two-spheres", "hydrogen-axis", "noise", "integers", "apart"])
+def test_the_curves_with_vectors_are_the_curves_without(name: str) -> None:
+    """Vertices and segments of the adapter's two forms."""
+    field, levels = CURVES[f"curves/{name}"].build(), CURVES[f"curves/{name}"].isovalues
+    asked = (*field.values, *levels, field.spacing)
+    lines = arrays_from(isoref.marching_faces(*asked), CURVES_KIND)
+    vertices, segments, vectors = isoref.directed_curves(*asked)
+    assert (vertices == lines[0]).all()
+    assert (segments == lines[1]).all()
+    assert vectors.shape == vertices.shape
+
+
+def test_lengths_survive_conventions() -> None:
+    """Directions in units of samples, axes reversed: turned into the world's, as long as before."""
+    field = Field.of(np.zeros((2, 3, 3, 3)), (1.0, 2.0, 4.0), dimension=3)
+    vectors = np.array([[0.0, 0.0, 0.5], [0.3, 0.0, 0.4], [0.0, 0.0, 0.0]])
+    here = Outcome(Status.OK, np.zeros((3, 3)), np.array([[0, 1], [1, 2]]), normals=vectors)
+    asked = Request("a case", "plain", field, (0.0, 0.0))
+    made = to_house(here, asked, Conventions(axes="reversed", units="index")).normals
+    assert made is not None
+    assert made[0].tolist() == [0.5, 0, 0]
+    assert np.linalg.norm(made, axis=1) == pytest.approx([0.5, 0.5, 0.0])
+    assert made[1] / made[1][0] == pytest.approx([1.0, 0.0, 3.0])

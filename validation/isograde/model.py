@@ -178,7 +178,8 @@ class Outcome:
     input_changed : the implementation wrote into the array it was given
     seconds, peak_bytes : cost of the call, as measured in the implementation's process
     processor : seconds of the processors, of all threads; None where that process does not tell
-    normals : (V, n) what came beside them, a normal for each vertex; None where none came
+    normals : (V, n) what came beside them, a normal for each vertex, of curves a direction along
+        them as long as the confidence in it; None where none came
     """
 
     status: Status

@@ -337,6 +337,15 @@ def _beyond(direction: int) -> Callable[[Field, Isovalues], Posed]:
     return pose
 
 
+def _passed(step: float) -> Callable[[Field, Isovalues], Posed]:
+    """An isovalue of the first component a step further."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        return field, (isovalues[0] + step, *isovalues[1:])
+
+    return pose
+
+
 def _flat(field: Field, isovalues: Isovalues) -> Posed:
     """The first layer of the field with values on both sides, instead of the field."""
     parts = _parts(field)
@@ -453,6 +462,8 @@ MAGNITUDES = {
     )
 }
 OFFSETS = {"2^10": 2.0**10, "2^20": 2.0**20, "1e6": 1e6}
+# Steps of the isovalue to either side, "passed/-2^-8" and "passed/+2^-8", ..
+STEPS = {f"2^{exponent}": 2.0**exponent for exponent in (-8, -11, -14, -17)}
 
 SIMPLE: tuple[Variant, ...] = (
     Variant("repeat", "asked a second time", _repeat),
@@ -486,6 +497,11 @@ SIMPLE: tuple[Variant, ...] = (
     *(
         Variant(f"offset/{word}", f"values and isovalue plus {word} times their range", _lifted(x))
         for word, x in OFFSETS.items()
+    ),
+    *(
+        Variant(f"passed/{sign}{word}", f"an isovalue {sign}{word} further", _passed(way * step))
+        for word, step in STEPS.items()
+        for sign, way in (("-", -1), ("+", 1))
     ),
     Variant("kept", "the answer as it is after another field was asked", _repeat, calls="kept"),
     Variant("threads", "asked from four threads at once", _repeat, calls="threads"),

@@ -50,7 +50,8 @@ def to_house(
         simplices = simplices[:, [*range(simplices.shape[1] - 2), -1, -2]]
     normals = outcome.normals
     if normals is not None:
-        normals = _house_normals(normals, request.field, conventions)
+        house = _house_normals if request.kind.k > 1 else _house_directions
+        normals = house(normals, request.field, conventions)
     return replace(outcome, vertices=vertices, simplices=simplices, normals=normals)
 
 
@@ -72,6 +73,19 @@ def _house_normals(normals: NDArray[Any], field: Field, conventions: Conventions
     if conventions.axes == "reversed":
         normals = normals[:, ::-1]
     return normals / np.asarray(field.spacing) if conventions.units == "index" else normals
+
+
+def _house_directions(
+    directions: NDArray[Any], field: Field, conventions: Conventions
+) -> NDArray[Any]:
+    """Directions along curves likewise; as long as they came, for their length is a confidence."""
+    if conventions.axes == "reversed":
+        directions = directions[:, ::-1]
+    if conventions.units == "world":
+        return directions
+    made = directions * np.asarray(field.spacing)
+    size = [np.linalg.norm(one, axis=1, keepdims=True) for one in (directions, made)]
+    return np.asarray(made * size[0] / np.where(size[1] > 0, size[1], 1))
 
 
 def is_reflection(conventions: Conventions, n: int) -> bool:

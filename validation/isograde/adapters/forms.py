@@ -5,6 +5,8 @@ Of a kind (n, m) an answer has simplices of dimension k = n - m in n dimensions.
 a pair            ``(vertices, simplices)``, a tuple: (V, n) numbers and (S, k + 1) 0-based indices
 with normals      for k = 2, ``(vertices, simplices, normals)``, and whatever comes after: a
                   normal for each vertex, as scikit-image returns them
+with directions   for k = 1, ``(vertices, simplices, directions)``: at each vertex along the curve,
+                  as long as the confidence in it, 0 to 1
 polygons          for k = 2, the pair with rows of p > 3 corners, those with fewer filled up with
                   -1 at their end, or a list of rows of different lengths
 polylines         for k = 1, a list of (N, n) arrays; a closed one repeats its first point
@@ -73,14 +75,14 @@ def arrays_from(answer: object, kind: Kind) -> Arrays:
 
 
 def normals_in(answer: object, kind: Kind) -> NDArray[Any] | None:
-    """(V, n) the normals that an answer has beside vertices and simplices; None where it has none.
+    """(V, n) the normals, or the directions of curves, beside vertices and simplices; else None.
 
     >>> normals_in((np.zeros((3, 3)), np.array([[0, 1, 2]]), np.ones((3, 3))), Kind(3, 1)).shape
     (3, 3)
     >>> normals_in((np.zeros((3, 3)), np.zeros((3, 3)), np.ones((3, 3))), Kind(3, 1)) is None
     True
     """
-    if not isinstance(answer, tuple) or len(answer) < 3 or kind.k != 2:
+    if not isinstance(answer, tuple) or len(answer) < 3 or kind.k not in (1, 2):
         return None
     try:
         points, rows, normals = (np.asarray(part) for part in answer[:3])

@@ -19,6 +19,7 @@ from isograde.cases import (
     nielson_hamann,
     noise,
     pairs,
+    passing,
     shapes,
     simplices,
     structured,
@@ -46,6 +47,7 @@ FAMILIES: dict[str, ModuleType] = {
     "ties": ties,
     "noise": noise,
     "trilinear": trilinear_cells,
+    "passing": passing,
     "mosaics": mosaics,
     "tied": tied,
     "types": types,
@@ -62,6 +64,10 @@ FAMILIES: dict[str, ModuleType] = {
     "cost": cost,
     "real": volumes,
 }
+
+
+FULL = frozenset({"passing", "directed"})
+"""Tags of cases that run in full runs alone, every one of them."""
 
 
 class Catalogue(dict[str, Case]):

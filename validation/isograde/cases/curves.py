@@ -20,12 +20,16 @@ from isograde.oracles.space_curves import KnownCurves, Points
 Shape = tuple[int, int, int]
 # Samples along each axis of a known case.
 COARSE: Shape = (24, 27, 25)
+FINE: Shape = (61, 43, 52)
+# Known curves of functions that bend little in a cell of it.
+GENTLE = ("two-spheres", "two-cylinders", "hydrogen-ring")
 
 
 def cases(seed: int = 0) -> list[Case]:
     """Every case, deterministic for a seed."""
     return [
         *(_known_case(make()) for make in space_curves.KNOWN),
+        *(_directed_case(known) for make in space_curves.KNOWN if (known := make()).name in GENTLE),
         _case("waves", partial(_waves, seed), (22, 22, 22), "full"),
         _case("noise", partial(_noise, seed), (9, 8, 10), "noise posed"),
         _case("noise-small", partial(_small_noise, seed), (6, 5, 7), "noise posed"),
@@ -59,9 +63,21 @@ def _known_case(known: KnownCurves) -> Case:
     return Case(name, build, known.levels, samples, frozenset(tags), facts, CURVES)
 
 
-def _sampled(known: KnownCurves) -> Field:
+def _directed_case(known: KnownCurves) -> Case:
+    """The same on a finer lattice, uneven along its axes, for who says where the curves go.
+
+    In full runs alone.
+    """
+    build, tags = partial(_sampled, known, FINE), frozenset({"curves", "directed", "full"})
+    only = ("curves.confidence", "structure.*")
+    samples, facts = int(np.prod(FINE)), {"curves": known}
+    name = f"curves/directed/{known.name}"
+    return Case(name, build, known.levels, samples, tags, facts, CURVES, only)
+
+
+def _sampled(known: KnownCurves, shape: Shape = COARSE) -> Field:
     """Both functions on the lattice, as one field."""
-    first, second, spacing = known.sample(COARSE)
+    first, second, spacing = known.sample(shape)
     values = np.stack([first, second])
     return Field.of(values, spacing.tolist(), (-known.half,) * 3, dimension=3)
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 from isoref.field import Field, Floats
@@ -53,6 +53,7 @@ TUNNELS = {
 
 STEPS = {"near": 7, "fine": 18}
 BLOCK = 4096
+BLOCKS = 200
 UNIT = 2.0**-20
 
 
@@ -90,13 +91,19 @@ def _drawn(block: int, seed: int) -> tuple[Floats, tuple[str, ...]]:
 @cache
 def _first(name: str, seed: int, skip: int = 0) -> Floats:
     """The first random cell of this case, or a later one."""
-    for block in range(200):
+    found = next(islice(drawn_cells(name, seed), skip, None), None)
+    if found is None:
+        raise LookupError(f"no cell of case {name} among {BLOCKS * BLOCK} for seed {seed}")
+    return found
+
+
+def drawn_cells(name: str, seed: int) -> Iterator[Floats]:
+    """The random cells of this case, in the order in which they are drawn."""
+    for block in range(BLOCKS):
         values, names = _drawn(block, seed)
-        where = [i for i, found in enumerate(names) if found == name]
-        if skip < len(where):
-            return np.asarray(values[where[skip]])
-        skip -= len(where)
-    raise LookupError(f"no cell of case {name} among {200 * BLOCK} for seed {seed}")
+        for i, found in enumerate(names):
+            if found == name:
+                yield np.asarray(values[i])
 
 
 @cache

@@ -9,6 +9,7 @@ from isograde.claims import (
     curves,
     frequencies,
     geometry,
+    passing,
     perfect,
     ranges,
     robustness,
@@ -37,6 +38,7 @@ FAMILIES = (
     curves,
     simplices,
     accuracy,
+    passing,
 )
 
 CLAIMS: dict[str, Claim] = {claim.id: claim for family in FAMILIES for claim in family.CLAIMS}

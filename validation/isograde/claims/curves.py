@@ -138,6 +138,44 @@ def covers(trial: Trial) -> Finding:
     return passed(missing=missing, astray=astray, bound=bound)
 
 
+def confidence(trial: Trial) -> Finding:
+    """Pass when each vector is n1 x n2, or each is n2 x n1, up to what differences in a cell err.
+
+    n1 and n2 are the unit gradients. Each component of a gradient is taken by a difference along an
+    edge of the cell, so it is the derivative somewhere in the cell, within its diagonal D: the
+    gradient errs by M D at most, its direction by M D over its length, and the cross product by the
+    sum of both.
+    """
+    vectors, mesh = trial.plain.normals, trial.mesh
+    if vectors is None or vectors.shape != mesh.vertices.shape:
+        return skipped("no directions came with the vertices")
+    used = np.unique(mesh.simplices)
+    if not len(used):
+        return failed("there is no curve where surfaces meet")
+    shape, diagonal = known(trial), float(np.linalg.norm(trial.field.spacing))
+    right, sizes = shape.directions(mesh.vertices[used])
+    bends = np.array(shape.bend(diagonal))
+    bound = (bends[:, None] * diagonal / np.maximum(sizes, space_curves.TINY)).sum(axis=0)
+    side = 1.0 if np.median((vectors[used] * right).sum(axis=1)) >= 0 else -1.0
+    error = np.linalg.norm(side * vectors[used] - right, axis=1)
+    # Where the bound is as long as any such vector may be, nothing can be said.
+    told = bound < 1
+    if not told.any():
+        return skipped("the lattice is too coarse to say where the curves go")
+    bad = np.flatnonzero(told & ~(error <= bound))
+    numbers = {"vertices": int(told.sum()), "largest_share": float((error / bound)[told].max())}
+    if not len(bad):
+        return passed(**numbers)
+    worst = bad[(error / bound)[bad].argmax()]
+    return failed(
+        f"{len(bad)} of {int(told.sum())} vectors are not the cross product of the unit gradients: "
+        f"one of length {np.linalg.norm(vectors[used[worst]]):.3g}, where it is "
+        f"{np.linalg.norm(right[worst]):.3g}, is off by {error[worst]:.3g}; allowed is "
+        f"{bound[worst]:.3g}",
+        **numbers,
+    )
+
+
 def identical(trial: Trial) -> Finding:
     """Pass when there is no segment where both surfaces are the same."""
     segments = len(trial.mesh.simplices)
@@ -212,6 +250,20 @@ CLAIMS = (
         covers,
         {"known", "touching"},
         "curves",
+    ),
+    _claim(
+        "confidence",
+        "Where a vector comes with each vertex of a known curve, it is along the curve, and as "
+        "long as the confidence in it, the sine of the angle between the gradients, up to the "
+        "error of differences in the vertex's own cell. In full runs alone.",
+        "Ljung & Ynnerman, section 6: the cross product of the normalized gradients, whose "
+        "magnitude places a confidence on the tangent",
+        None,
+        confidence,
+        {"directed"},
+        "curves",
+        on_edges,
+        promised=False,
     ),
     _claim(
         "identical",

@@ -162,6 +162,7 @@ def explain(name: str) -> None:
 
 def _explain(claim: Claim) -> None:
     """Print one claim."""
+    from isograde.cases import FULL
     from isograde.cataloguing import kinds_of
     from isograde.model import LEVELS
     from isograde.report.record import families_of, first_line
@@ -185,7 +186,8 @@ def _explain(claim: Claim) -> None:
         table.add_row("posed as", ", ".join(_families(claim.variants)))
     table.add_row("promised", _promised(claim))
     table.add_row("passes", escape(first_line(claim.judge)))
-    table.add_row("try it", f"isograde grade IMPLEMENTATION --only {claim.id}")
+    full = "--full " if claim.tags and claim.tags <= FULL else ""
+    table.add_row("try it", f"isograde grade IMPLEMENTATION {full}--only {claim.id}")
     console.print(table)
 
 

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 Points = NDArray[np.float64]
 Function = Callable[[Points, Points, Points], Points]
 
+TINY = float(np.finfo(np.float64).tiny)
 # Points of a known curve; its polyline is then closer than 1e-5 of its radius.
 DENSE = 1000
 
@@ -93,6 +94,25 @@ class KnownCurves:
         )
         around = (points[:, None] + shifts).reshape(-1, 3)
         return _hessian_norm(self.first, around), _hessian_norm(self.second, around)
+
+    def directions(self, points: Points) -> tuple[Points, Points]:
+        """(N, 3) the cross product of the unit gradients, and (2, N) the lengths of the gradients.
+
+        Its length is the sine of the angle between the gradients: the confidence in its direction.
+        """
+        gradients = [_gradient(function, points) for function in (self.first, self.second)]
+        sizes = np.array([np.linalg.norm(one, axis=1) for one in gradients])
+        one, other = (
+            g / np.maximum(s, TINY)[:, None] for g, s in zip(gradients, sizes, strict=True)
+        )
+        return np.cross(one, other), sizes
+
+
+def _gradient(function: Function, points: Points, step: float = 1e-5) -> Points:
+    """(N, 3) the gradient at these points, by central differences."""
+    shifts = step * np.eye(3)
+    parts = [function(*(points + s).T) - function(*(points - s).T) for s in shifts]
+    return np.stack(parts, axis=1) / (2 * step)
 
 
 def _hessian_norm(function: Function, points: Points, step: float = 1e-3) -> float:

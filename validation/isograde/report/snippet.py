@@ -259,6 +259,8 @@ SAMPLED = {
 LONG = frozenset(
     {
         "accuracy.normals_returned",
+        "accuracy.continuity",
+        "curves.confidence",
         "symmetry.normals_returned",
         "robustness.elsewhere",
         "topology.tie_side",

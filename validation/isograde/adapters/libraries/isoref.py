@@ -34,6 +34,31 @@ def marching_faces(a, b, isovalue_a, isovalue_b, spacing):
     return [curve.polyline for curve in curves]
 
 
+def directed_curves(a, b, isovalue_a, isovalue_b, spacing):
+    """The same curves with a vector at each vertex, its tangent times the confidence in it."""
+    import numpy as np
+    from isoref.curves import moved_on
+    from isoref.fast.marching_faces import Pair, join
+    from isoref.fast.marching_faces import marching_faces as points_of
+    from isoref.field import Field
+
+    asked = Field.of(a, spacing), Field.of(b, spacing), (isovalue_a, isovalue_b), "gradient"
+    points = points_of(*asked)
+    chosen, segments, start = [np.empty(0, np.int64)], [np.empty((0, 2), np.int64)], 0
+    for chain, closed in join(points, Pair(*asked)):
+        chain = chain[moved_on(points.positions[chain], closed)]
+        if len(chain) > 2 and (points.positions[chain[0]] == points.positions[chain[-1]]).all():
+            chain, closed = chain[:-1], True
+        if len(chain) > 1:
+            step = np.arange(len(chain) if closed else len(chain) - 1)
+            segments.append(start + np.stack([step, (step + 1) % len(chain)], axis=1))
+            chosen.append(chain)
+            start += len(chain)
+    used = np.concatenate(chosen)
+    directions = points.tangents[used] * points.confidence[used, None]
+    return points.positions[used], np.concatenate(segments), directions
+
+
 def surface_intersection(a, b, isovalue_a, isovalue_b, spacing):
     """The curves in which the triangles of two isosurfaces meet."""
     from isoref.fast.surface_intersection import intersection_curves
@@ -116,7 +141,7 @@ METHODS = {
     },
     **{
         f"isoref:{name.replace('_', '-')}": {
-            "function": name,
+            "function": function,
             "declaration": {
                 "limits": {"kinds": [[3, 2]]},
                 "promised": [*_CALLS, "curves.identical"],
@@ -124,6 +149,9 @@ METHODS = {
                 "not_promised": ["symmetry.spacing"] if name == "marching_faces" else [],
             },
         }
-        for name in ("marching_faces", "surface_intersection")
+        for name, function in (
+            ("marching_faces", "directed_curves"),
+            ("surface_intersection", "surface_intersection"),
+        )
     },
 }
