@@ -42,6 +42,9 @@ from isoref.field import Field
 from isoref.methods import METHODS
 
 HERE = Path(__file__).parent
+# Pose so many cells in a row at once. The judge takes places for one within a tolerance that grows
+# with the field: in a row of 300 a crossing of a scan stood within it of a corner.
+ROW = 60
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
 "paper", which are printed, and the zeros under "expected"; the other numbers under "expected" are
@@ -307,7 +310,7 @@ def _add_volume(
 def _undecided_blocks(
     values: np.ndarray[tuple[int, ...], np.dtype[np.generic]], level: float
 ) -> list[np.ndarray[tuple[int, ...], np.dtype[np.generic]]]:
-    """The undecided cells in blocks of at most 300, read slab by slab."""
+    """The undecided cells in blocks of at most `ROW`, read slab by slab."""
     found = []
     for start in range(0, values.shape[0] - 1, 32):
         _, corners = active_cells(values[start : start + 33], level)
@@ -317,7 +320,7 @@ def _undecided_blocks(
     if not found:
         return []
     together = np.concatenate(found)
-    return [together[i : i + 300] for i in range(0, len(together), 300)]
+    return [together[i : i + ROW] for i in range(0, len(together), ROW)]
 
 
 if __name__ == "__main__":
