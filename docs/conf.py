@@ -47,6 +47,8 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False
+# Nothing is put into it: the search finds names.
+html_use_index = False
 html_last_updated_fmt = None
 # The explorer is a page of its own, at the root of the site.
 html_extra_path = ["explorer/explorer.html"]

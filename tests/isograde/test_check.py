@@ -10,7 +10,7 @@ import pytest
 from isograde.adapters import export
 from isograde.adapters.measure import ball, frame
 from isograde.adapters.registry import READY_MADE
-from isograde.checking import Advice, Checked, check, paste, small, trying
+from isograde.checking import Advice, Checked, check, paste, sentences, small, trying
 from isograde.checking.places import misplacement
 from isograde.checking.words import alternating, five
 from isograde.declaration import declaration_from, declaration_json
@@ -138,7 +138,7 @@ def test_a_surface_whose_first_two_axes_are_exchanged_is_not_where_it_should_be(
         (lambda v, n, h: v + np.array(h) / 2, "half a cell is added"),
         (lambda v, n, h: v - np.array(h) / 2, "half a cell is taken"),
         (lambda v, n, h: v + np.array(h), "as if the field were padded"),
-        (lambda v, n, h: v * n / (n - 1), "scaled by n / (n - 1)"),
+        (lambda v, n, h: v * n / (n - 1), sentences.scaled()),
         (lambda v, n, h: v / ((n - 1) * h), "unit cube"),
         (lambda v, n, h: 2 * v / ((n - 1) * h) - 1, "from -1 to 1"),
         (lambda v, n, h: v - (n - 1) * h / 2, "centred at 0"),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from isograde import checking
 from isograde.adapters.forms import arrays_from
-from isograde.checking import Checked, small
+from isograde.checking import Checked, sentences, small
 from isograde.checking.limits import STEPS, Within
 from isograde.checking.rows import cell, configurations, judged, row_told
 from isograde.declaration import Declaration
@@ -85,7 +85,7 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
         ("shuffled", "asked twice, it gives two answers"),
         ("padded", "as if the field were padded: subtract spacing"),
         ("swapped_axes", "axes are exchanged: take vertices[:, [1, 0, 2]]"),
-        ("stretched", "scaled by n / (n - 1): index * spacing"),
+        ("stretched", sentences.scaled()),
     ],
 )
 def test_a_broken_extractor_is_told_what_is_wrong(name: str, words: str) -> None:

@@ -353,8 +353,14 @@ def test_a_system_without_fcntl_is_told_so() -> None:
         assert "Traceback" not in done.stderr
 
 
-def test_foreign_code_is_announced_once(tmp_path: Path) -> None:
-    said = run("check", f"exec:{sys.executable} -c pass").output
-    assert said.count("It runs as you") == 1
+def test_foreign_code_is_announced_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once on a machine; again where the cache cannot remember it; never for what came with it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    foreign = ("check", f"exec:{sys.executable} -c pass")
     assert "It runs as you" not in run("check", "isoref:no-such").output
-    assert tmp_path.exists()
+    assert run(*foreign).output.count("It runs as you") == 1
+    assert "It runs as you" not in run(*foreign).output
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert run(*foreign).output.count("It runs as you") == 1
+    assert run(*foreign).output.count("It runs as you") == 1

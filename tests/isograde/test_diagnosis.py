@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
+from isograde.checking import sentences
 from isograde.checking.rows import cell, fault_told, judged
 from isograde.checking.sentences import looks_like
 from isograde.declaration import declaration_from
@@ -133,7 +134,10 @@ def test_one_wrong_entry_of_a_table_is_told_by_its_corners() -> None:
 
 # What a mistake in placing does to index coordinates, and how it is told.
 PLACED: dict[str, tuple[Change, str]] = {
-    "scale": (lambda v, n: v * n / (n - 1), "scaled by n/(n-1), n the number of samples"),
+    "scale": (
+        lambda v, n: v * n / (n - 1),
+        "scaled by n/(n-1), n the number of samples along each axis",
+    ),
     "shrink": (lambda v, n: v * (n - 1) / n, "scaled by (n-1)/n"),
     "unit": (lambda v, n: v / (n - 1), "drawn in the unit cube"),
     "ends": (lambda v, n: 2 * v / (n - 1) - 1, "drawn in a cube from -1 to 1"),
@@ -227,7 +231,7 @@ def test_a_scale_is_one_finding_whatever_it_breaks() -> None:
     held = [one for one in causes(report) if one.held]
     assert len(report.broken) > 3
     assert [one.root.id for one in held] == ["geometry.vertices"]
-    assert held[0].said == "vertices are scaled by n/(n-1), n the number of samples of each axis"
+    assert held[0].said == f"vertices are {sentences.scaled()}"
 
 
 def test_the_faults_inside_cells_are_counted_by_case() -> None:

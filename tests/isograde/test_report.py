@@ -266,6 +266,26 @@ def test_the_first_screen_says_what_is_wrong_and_what_is_right() -> None:
     assert "The arrays are well formed. Known bodies come out. There is no hole." in first
 
 
+def test_long_names_and_traces_are_cut_where_they_are_told_and_whole_beside() -> None:
+    """Issue 12: an id of 72 numbers and a crash's trace leave the first screen readable."""
+    name = f"given/8x3x3/{','.join(['-0.5', '1'] * 36)}"
+    trace = "Fatal Python error: Aborted Current thread 0x7f" + ' File "a.py", line 9' * 90
+    broken = row(name, structure__answers="crash")
+    broken[1].findings["structure.answers"] = Finding(Verdict.CRASH, trace)  # type: ignore[index]
+    report = made([body(), broken])
+    html, text = page(report), markdown(report)
+    for one in (html.split('id="ladder"')[0], text.split("```sh")[0]):
+        assert "Aborted .." in one
+        assert "File " not in one
+        assert name not in one
+    told = "given/8x3x3/-0.5,1,-0.5,1,-0.5,1,-0.5,1,.."
+    assert f'<code title="{name}">{told}</code>' in html
+    assert f"`{told}`" in text
+    assert trace.split()[-1] in html, "the whole of it stands below"
+    for one in (html, text):
+        assert f"--only {name} --only structure.answers" in one
+
+
 def test_what_is_not_promised_is_said_with_what_holds() -> None:
     rows = [body(), row("a", symmetry__type="fail"), row("b")]
     report = made(rows, not_promised=["symmetry.type"])

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.grading import grade
+from isograde.model import Finding, Verdict
 from isograde.report import lines, reading
 from isograde.report.page import page
 from isograde.report.reading import Report
@@ -19,6 +20,7 @@ from isograde.report.viewer import EXACT, KEPT, MARKED, turned_case
 from isograde.runner import Options
 
 from tests.browser import found
+from tests.isograde.reporting import body, made, row
 
 TEMPLATES = resources.files("isograde.report") / "templates"
 LANGUAGES = ("Python", "C", "Rust", "JSON")
@@ -329,6 +331,31 @@ fn main() {
     program = folder / "case-rust"
     subprocess.run([compiler, "-o", str(program), str(folder / "case.rs")], check=True)
     return subprocess.run([program], capture_output=True, check=True).stdout
+
+
+@pytest.mark.slow
+def test_on_a_telephone_a_page_is_as_wide_as_the_screen(tmp_path: Path) -> None:
+    """Whatever is long: a case's name, an error, a version. Seven pages were wider once."""
+    name = f"given/8x3x3/{','.join(['-0.5'] * 72)}"
+    long = row(name, structure__answers="error")
+    long[1].findings["structure.answers"] = Finding(Verdict.ERROR, "e" * 400)  # type: ignore[index]
+    text = page(made([body(), long], name="n" * 80, version="1." * 40, notes="no" * 90))
+    # A window is never as narrow as a telephone; a frame is.
+    script = """
+      const frame = document.body.appendChild(document.createElement("iframe"));
+      frame.style.width = "390px";
+      const { promise, resolve } = Promise.withResolvers();
+      frame.onload = resolve;
+      frame.srcdoc = page;
+      await promise;
+      const inside = frame.contentDocument.documentElement;
+      for (const one of inside.querySelectorAll("details")) one.open = true;
+      return [inside.clientWidth, inside.scrollWidth];
+    """
+    held = f"const page = {json.dumps(text).replace('<', chr(92) + 'u003c')};"
+    width, needed = found("<body></body>", held + script, tmp_path)
+    assert 300 < width <= 390
+    assert needed == width
 
 
 @pytest.mark.slow

@@ -111,7 +111,7 @@ def _failed(summary: Summary) -> str:
     assert failure is not None
     promised = "" if summary.promised else " (not promised)"
     return (
-        f"{summary.id}{promised}: {words.counted(summary)}; smallest {failure.case} "
+        f"{summary.id}{promised}: {words.counted(summary)}; smallest {words.case(failure.case)} "
         f"({failure.samples} samples): {failure.detail}"
     )
 

@@ -49,6 +49,8 @@ def ran(arguments: str, width: int = 92) -> tuple[int, str]:
         **os.environ,
         "PYTHONPATH": os.pathsep.join([str(ROOT / "reference"), str(ROOT / "validation")]),
         "COLUMNS": str(width),
+        # As on a machine that has never seen it.
+        "XDG_CACHE_HOME": str(Path(folder(), "cache")),
         "NO_COLOR": "1",
         "TERM": "dumb",
         "PYTHONIOENCODING": "utf-8",

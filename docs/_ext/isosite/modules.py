@@ -42,8 +42,9 @@ class Module:
 
     @property
     def title(self) -> str:
-        """The first line of the docstring, without its full stop."""
-        return self.doc.partition("\n")[0].rstrip(".").replace("`", "")
+        """The first line of the docstring, without its full stop and its marks."""
+        first = self.doc.partition("\n")[0].rstrip(".").replace("`", "")
+        return re.sub(r"\*(\w[\w ]*)\*", r"\1", first)
 
     @property
     def page(self) -> str:
@@ -71,6 +72,12 @@ def label_of(dotted: str) -> str:
     bare = last.lstrip("_")
     kind = "table" if bare.isupper() else "class" if bare[:1].isupper() else "at"
     return f"{kind}.{dotted}"
+
+
+def only_imports(statements: list[str]) -> bool:
+    """They import, and do nothing else; comments aside."""
+    told = [one for one in statements if not one.lstrip().startswith("#")]
+    return bool(told) and all(one.startswith(("from ", "import ")) for one in told)
 
 
 def parts_of(source: str) -> tuple[Part, ...]:
@@ -121,6 +128,11 @@ def parts_of(source: str) -> tuple[Part, ...]:
             parts.append(Part(kind, node.name, (), doc, re.sub(r"\n{2,}(?=    )", "\n\n", code)))
         else:
             if not isinstance(node, (ast.Import, ast.ImportFrom)):
+                # Let imports be a part of their own.
+                if only_imports(waiting):
+                    comment = waiting.pop() if waiting[-1].lstrip().startswith("#") else ""
+                    statements()
+                    waiting.extend([comment] if comment else [])
                 targets = (
                     node.targets
                     if isinstance(node, ast.Assign)

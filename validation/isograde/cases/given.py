@@ -30,6 +30,8 @@ NAME = re.compile(
 TAGS = frozenset({"given", "noise", "trilinear", "simplices"})
 # Spell out so many numbers at most: a name is typed, or at least pasted.
 MOST = 128
+# Tell a longer name by its first samples.
+LONG, FIRST = 64, 8
 
 
 def name(field: Field, isovalues: tuple[float, ...]) -> str:
@@ -46,6 +48,20 @@ def name(field: Field, isovalues: tuple[float, ...]) -> str:
     if field.values.dtype != np.float64:
         parts.append(f"as={field.values.dtype.name}")
     return "/".join([*parts, _numbers(field.values.ravel().tolist())])
+
+
+def brief(name: str) -> str:
+    """The name as a sentence tells it: of many samples the first; any other name as it is.
+
+    >>> brief("given/2x2/-1,1,1,-1")
+    'given/2x2/-1,1,1,-1'
+    >>> brief("given/4x3x3/" + ",".join(["-1"] * 36))
+    'given/4x3x3/-1,-1,-1,-1,-1,-1,-1,-1,..'
+    """
+    if len(name) <= LONG or not name.startswith("given/"):
+        return name
+    head, _, samples = name.rpartition("/")
+    return f"{head}/{','.join(samples.split(',')[:FIRST])},.."
 
 
 def _numbers(values: object) -> str:

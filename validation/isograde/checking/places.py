@@ -8,7 +8,7 @@ import numpy as np
 from isoref.field import Field, Floats
 
 from isograde.adapters.measure import RADIUS, centre_of
-from isograde.checking.sentences import axes_exchanged
+from isograde.checking.sentences import axes_exchanged, scaled
 from isograde.model import Outcome
 
 # A vertex this near to a lattice edge, in cells, stands on it.
@@ -49,12 +49,10 @@ def misplacement(vertices: Floats, field: Field) -> str:
             (right + 1) * steps
         ),
         "a sample is added to each index, as if the field were padded: subtract 1": right + 1,
-        "indices are scaled by n / (n - 1): index * spacing, not index / (n - 1) * n": (
-            right * shape / (shape - 1) * steps
-        ),
-        "indices are scaled by n / (n - 1), and not by the spacing": right * shape / (shape - 1),
-        "indices are scaled by (n - 1) / n": right * (shape - 1) / shape * steps,
-        "indices are scaled by (n - 1) / n, and not by the spacing": right * (shape - 1) / shape,
+        f"vertices are {scaled()}": right * shape / (shape - 1) * steps,
+        f"vertices are {scaled()}; and not by the spacing": right * shape / (shape - 1),
+        f"vertices are {scaled(up=False)}": right * (shape - 1) / shape * steps,
+        f"vertices are {scaled(up=False)}; and not by the spacing": right * (shape - 1) / shape,
         "it is drawn in the unit cube: vertices * (n - 1) * spacing": right / (shape - 1),
         "it is drawn in a cube from -1 to 1": 2 * right / (shape - 1) - 1,
         "the lattice is centred at 0: add (n - 1) / 2 * spacing": (right - (shape - 1) / 2) * steps,

@@ -32,6 +32,18 @@ def axes_exchanged(order: Sequence[int], *, of: str = "index", end: str = "") ->
     return f"axes are exchanged: {told}{end}"
 
 
+def scaled(*, up: bool = True) -> str:
+    """The vertices are stretched, or shrunk, as if n samples spanned n cells.
+
+    >>> scaled()
+    'scaled by n/(n-1), n the number of samples along each axis: index * spacing, \
+not index / (n - 1) * n'
+    """
+    told, instead = ("n/(n-1)", "/ (n - 1) * n") if up else ("(n-1)/n", "/ n * (n - 1)")
+    axis = "n the number of samples along each axis"
+    return f"scaled by {told}, {axis}: index * spacing, not index {instead}"
+
+
 def looks_like(word: str, found: object, now: object) -> str:
     """One of the four words is measured to be other than declared.
 

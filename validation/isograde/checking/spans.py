@@ -14,7 +14,7 @@ import numpy as np
 from isoref.field import Field, Floats, Integers
 
 from isograde.checking.checked import Advice
-from isograde.checking.sentences import open_inside
+from isograde.checking.sentences import open_inside, scaled
 from isograde.model import SURFACES, Outcome, Verdict
 
 Answer = Callable[[Field, tuple[float, ...]], Outcome]
@@ -91,16 +91,13 @@ def stretch(found: list[Span]) -> str:
     """The mistake by which every coordinate is scaled, where all sheets show it, or nothing."""
     if not found:
         return ""
-    for told, up in (
-        ("n / (n - 1): index * spacing, not index / (n - 1) * n", 1),
-        ("(n - 1) / n: index * spacing, not index / n * (n - 1)", -1),
-    ):
+    for up in (True, False):
         ends = []
         for span in found:
-            scale = ((span.last + 1) / span.last) ** up
+            scale = ((span.last + 1) / span.last) ** (1 if up else -1)
             ends.append(abs(span.high - span.last * scale) + abs(span.low))
         if max(ends) < NEAR:
-            return f"vertices are scaled by {told}"
+            return f"vertices are {scaled(up=up)}"
     return ""
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import difflib
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from enum import IntEnum
 from functools import cache
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
+
+from isograde.places import cache_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -80,12 +83,21 @@ def stop(status: Exit, message: str) -> NoReturn:
 
 
 def warn_of_foreign(spec: str) -> None:
-    """Say once, where code runs that did not come with the grader, what is kept from it."""
-    if spec.startswith(("python:", "exec:")):
-        _made("errors").print(
-            "[dim]It runs as you: its time, memory and crashes are contained, its files and its "
-            "network are not (SECURITY.md).[/]"
-        )
+    """Say, where code runs that did not come with the grader, what is kept from it.
+
+    It is said once on a machine: an empty file in the cache remembers it.
+    """
+    told = cache_folder() / "told-what-is-contained"
+    if not spec.startswith(("python:", "exec:")) or told.exists():
+        return
+    _made("errors").print(
+        "[dim]It runs as you: its time, memory and crashes are contained, its files and its "
+        "network are not (SECURITY.md). This is said once.[/]"
+    )
+    # Where nothing can be kept it is said again.
+    with suppress(OSError):
+        told.parent.mkdir(parents=True, exist_ok=True)
+        told.touch()
 
 
 def say(text: str) -> None:

@@ -259,8 +259,8 @@ def _tell(result: reading.Report) -> None:
         assert failure is not None
         colour = "red" if cause.held else "dim"
         say(
-            f"[{colour}]{escape(cause.root.id)}[/]: {escape(cause.said)} "
-            f"({escape(words.where(cause))}); smallest {escape(failure.case)}, "
+            f"[{colour}]{escape(cause.root.id)}[/]: {escape(words.brief(cause.said))} "
+            f"({escape(words.where(cause))}); smallest {escape(words.case(failure.case))}, "
             f"{failure.samples} samples"
         )
 

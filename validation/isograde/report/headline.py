@@ -139,7 +139,8 @@ def short(report: Report) -> str:
     if rung.state == "fail":
         failed, _, fields = report.short_of(rung.level)
         noun = "field" if fields == 1 else "fields"
-        return f"{failed:,} of {fields:,} {noun} short of {rung.name} ({fault(report, rung)})"
+        called = rung.name if rung.level else "level 0"
+        return f"{failed:,} of {fields:,} {noun} short of {called} ({fault(report, rung)})"
     return f"{rung.name} not reached: {missing(rung)}"
 
 

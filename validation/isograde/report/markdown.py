@@ -76,12 +76,13 @@ def _cause(report: Report, cause: Cause) -> str:
     summary, failure = cause.root, cause.root.failure
     assert failure is not None
     language = "py" if report.spec.startswith("function:") else "sh"
-    said = f"{cause.said[:1].upper()}{cause.said[1:]}"
+    said = words.brief(f"{cause.said[:1].upper()}{cause.said[1:]}")
     text = (
         f"### {plain(said)}\n\n"
         f"`{summary.id}`: {summary.claim['rule']}\n\n"
         f"{words.evidence(summary)}; {words.where(cause)}. Smallest: "
-        f"{code(failure.case)}, {failure.samples} samples: {plain(failure.detail)}."
+        f"{code(words.case(failure.case))}, {failure.samples} samples: "
+        f"{plain(words.brief(failure.detail))}."
         f"{' ' if cause.elsewhere else ''}{words.elsewhere(cause)}\n\n"
         f"```{language}\n{' '.join(words.reproduce(report, summary).split())}\n```"
     )

@@ -19,7 +19,7 @@ import numpy as np
 from isoref.field import Floats, Integers
 from scipy.spatial import KDTree
 
-from isograde.checking.sentences import axes_exchanged
+from isograde.checking.sentences import axes_exchanged, scaled
 
 # Call a vertex right up to so far from a crossing, in cells; a map right for so many of them.
 NEAR, MOST = 1e-4, 0.9
@@ -125,8 +125,8 @@ def _agree(vertices: Floats, right: Floats) -> float:
 def _maps(shape: Floats, spacing: Floats) -> Iterator[Shift]:
     """What is said, the factor and the shift of each mistake, in index coordinates."""
     one, none = np.ones(len(shape)), np.zeros(len(shape))
-    yield "scaled by n/(n-1), n the number of samples of each axis", shape / (shape - 1), none
-    yield "scaled by (n-1)/n, n the number of samples of each axis", (shape - 1) / shape, none
+    yield scaled(), shape / (shape - 1), none
+    yield scaled(up=False), (shape - 1) / shape, none
     yield "drawn in the unit cube: divided by n-1", 1 / (shape - 1), none
     yield "drawn in a cube from -1 to 1", 2 / (shape - 1), -one
     for told, by in (("half a cell", 0.5), ("a whole cell", 1.0)):

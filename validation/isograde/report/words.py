@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from shlex import quote
 from typing import Any
 
+from isograde.cases import given
 from isograde.model import EVIDENCE, LEVELS, Kind, Verdict
 from isograde.report.findings import Cause, Follower, causes, rights
 from isograde.report.headline import listed, missing, not_promised
@@ -14,6 +16,9 @@ from isograde.report.reading import Failure, Report, Rung, Summary, bad_in
 from isograde.variants import MAGNITUDES, OFFSETS
 
 ORDER = (*EVIDENCE, Verdict.NOT_RUN, Verdict.UNSUPPORTED, Verdict.SKIP)
+# Cut a heading that is longer, or that brings a trace.
+LONG = 480
+TRACE = re.compile(r" (?=Current thread 0x|Thread 0x|Traceback \(most|Extension modules:)")
 # What counts are called: a case that is no evidence is none of the verdicts a reader knows.
 # Magnitudes and offsets from the nearest to the farthest.
 SMALLER, LARGER = (["1", *(word for word in MAGNITUDES if word[2] == sign)] for sign in "-+")
@@ -145,6 +150,25 @@ def run(report: Report) -> dict[str, str]:
         "seed": str(header["seed"]),
     }
     return said | {name: str(one) for name, one in header["versions"].items()}
+
+
+def brief(text: str) -> str:
+    """The text as a heading tells it: without a crash's trace, and at most so long.
+
+    >>> brief("a crash"), len(brief("last words " * 99))
+    ('a crash', 480)
+    >>> brief("killed; last words: Fatal error: Segmentation fault Current thread 0x7f (most ..")
+    'killed; last words: Fatal error: Segmentation fault ..'
+    """
+    short = TRACE.split(text, maxsplit=1)[0]
+    if len(short) > LONG:
+        short = short[:LONG].rpartition(" ")[0]
+    return text if short == text else f"{short} .."
+
+
+def case(name: str) -> str:
+    """The name of a case in a sentence; where it is cut, the command beside it has it whole."""
+    return given.brief(name)
 
 
 def made_from(failure: Failure) -> str:
