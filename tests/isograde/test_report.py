@@ -4,6 +4,7 @@ import gzip
 import json
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any, Literal
@@ -65,6 +66,82 @@ def test_every_line_fits_the_schema(path: Path) -> None:
         some = [line for line in written if line["record"] == name]
         assert some
         validator.validate(some[-1])
+
+
+ODD: tuple[Any, ...] = (
+    None,
+    True,
+    -1,
+    0,
+    1.0,
+    1.5,
+    7,
+    1e999,
+    "",
+    "nan",
+    [],
+    {},
+    [1],
+    ["a.b"],
+    [[1, "1"]],
+)
+# What JSON Schema of 2020 and of 2018, which is compiled, mean alike.
+ALIKE = {
+    "type", "$ref", "description", "minimum", "maximum", "items", "minItems", "maxItems", "enum",
+    "additionalProperties", "required", "properties", "const", "anyOf", "pattern",
+}  # fmt: skip
+
+
+def damaged(value: Any, depth: int = 4) -> Iterator[Any]:
+    """The value with one part exchanged for something odd, taken away or added."""
+    yield from ODD
+    if not depth:
+        return
+    if isinstance(value, dict):
+        yield {**value, "odd": 1}
+        for key in value:
+            yield {name: item for name, item in value.items() if name != key}
+            yield from ({**value, key: odd} for odd in damaged(value[key], depth - 1))
+    if isinstance(value, list) and value:
+        yield [*value, None]
+        yield from ([*value[:-1], odd] for odd in damaged(value[-1], depth - 1))
+
+
+@pytest.mark.parametrize("name", lines.RECORDS)
+def test_the_compiled_schema_refuses_what_the_schema_refuses(path: Path, name: str) -> None:
+    """A line is read by the compiled one; what it lets pass, the other would let pass."""
+    whole = min(
+        (one for one in records(path) if one["record"] == name), key=lambda one: len(str(one))
+    )
+    validator, verdicts = lines._validator(name), set()
+    for one in damaged(whole):
+        if isinstance(one, dict) and one.get("record") == name:
+            try:
+                lines.checked(json.dumps(one).replace("Infinity", "1e999"), "here")
+            except lines.ReportError:
+                passed = False
+            else:
+                passed = True
+            assert passed == validator.is_valid(one), one
+            verdicts.add(passed)
+    assert verdicts == {True, False}
+
+
+def test_the_schema_has_no_word_that_is_compiled_otherwise() -> None:
+    """A word that the compiler does not know it would leave out."""
+
+    def words(schema: Any) -> Iterator[str]:
+        if isinstance(schema, dict):
+            yield from schema
+            for name, inner in schema.items():
+                parts = inner.values() if name == "properties" else [inner]
+                for part in parts:
+                    yield from words(part)
+        for inner in schema if isinstance(schema, list) else ():
+            yield from words(inner)
+
+    for definition in lines.schema()["$defs"].values():
+        assert set(words(definition)) <= ALIKE
 
 
 @pytest.mark.parametrize("case", ["types/bool", "types/signed", "types/float16"])

@@ -158,7 +158,8 @@ def _pip(package: Package, wanted: list[str]) -> str:
     shutil.copy(SERVICES / "serve.py", package.built)
     _told([sys.executable, "-m", "venv", str(package.built / "env")])
     pip = [str(package.built / "env/bin/pip"), "install", "--quiet", "--disable-pip-version-check"]
-    _told([*pip, "numpy", *wanted])
+    # What is imported is compiled then; the rest of a large package need not be.
+    _told([*pip, "--no-compile", "numpy", *wanted])
     return "env/bin/python serve.py"
 
 

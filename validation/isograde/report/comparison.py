@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from isograde.model import BAD
 from isograde.report import words
 from isograde.report.findings import by_choice
 from isograde.report.headline import anded, by_level, by_topology, standing, titled
 from isograde.report.lines import JSON
 from isograde.report.markdown import MARK, plain
 from isograde.report.page import environment
-from isograde.report.reading import Report, findings_of
+from isograde.report.reading import Report, bad_of
 
 # The two orders of a comparison, by the name that is shown.
 ORDERS: Mapping[str, Callable[[Report], tuple[float, ...]]] = {
@@ -71,8 +70,8 @@ def _bad_cases(report: Report) -> dict[str, set[str]]:
     """The cases on which each claim is bad."""
     bad: dict[str, set[str]] = {}
     for result in report.results:
-        for name, verdict, _ in findings_of(result):
-            if verdict in BAD and report.summaries[name].state == "fail":
+        for name, _, _ in bad_of(result):
+            if report.summaries[name].state == "fail":
                 bad.setdefault(name, set()).add(result["case"])
     return bad
 

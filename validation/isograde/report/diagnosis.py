@@ -23,14 +23,14 @@ from isograde.checking.sentences import another_surface, looks_like, open_inside
 from isograde.claims.evidence import traces_of
 from isograde.claims.symmetry import NO_MESH
 from isograde.declaration import declaration_from
-from isograde.model import BAD, SURFACES, Case, Kind, Outcome, Status, Trial, Verdict
+from isograde.model import SURFACES, Case, Kind, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import saddle_sign
 from isograde.oracles.complexes import Complex
 from isograde.oracles.lattice import Lattice
 from isograde.report.headline import anded
 from isograde.report.lines import JSON
 from isograde.report.misplaced import Placed, misplacement, on_diagonals, shared
-from isograde.report.reading import Report, Summary, findings_of
+from isograde.report.reading import Report, Summary, bad_of
 from isograde.variants import MAGNITUDES
 
 TRILINEAR, BILINEAR = "topology.trilinear", "topology.bilinear"
@@ -297,8 +297,8 @@ def _all_numbers(report: Report, summary: Summary | None) -> Sequence[Mapping[st
     return [
         finding.get("numbers", {})
         for result in report.results
-        for name, verdict, finding in findings_of(result)
-        if name == summary.id and verdict in BAD and finding is not None
+        for name, _, finding in bad_of(result)
+        if name == summary.id
     ]
 
 
@@ -513,8 +513,8 @@ def wrong_by_case(report: Report) -> tuple[Counter[str], Counter[tuple[str, str]
 
 def _numbers_of(result: JSON, claim: str) -> JSON:
     """The numbers of a claim's finding on a case, where it is no pass."""
-    for name, _, finding in findings_of(result):
-        if name == claim and finding is not None:
+    for finding in result["findings"]:
+        if finding["claim"] == claim:
             numbers: JSON = finding.get("numbers", {})
             return numbers
     return {}
@@ -601,8 +601,8 @@ def _entry(report: Report, summary: Summary, seen: Seen | None) -> str:
     """The one configuration of corners that is wrong, where it is one on every case."""
     signs = Counter[int]()
     for result in report.results:
-        for name, verdict, finding in findings_of(result):
-            if name == summary.id and verdict in BAD and finding is not None:
+        for name, _, finding in bad_of(result):
+            if name == summary.id:
                 signs[finding.get("numbers", {}).get("signs", -1)] += 1
     if len(signs) == 1 and -1 not in signs and sum(signs.values()) > 1:
         (corners,) = signs
@@ -629,8 +629,8 @@ def _rescaled(report: Report, summary: Summary, seen: Seen | None) -> str:
     """Of another surface for other magnitudes: from which power of two on, in how many fields."""
     first = Counter[int]()
     for result in report.results:
-        for name, verdict, finding in findings_of(result):
-            if name != summary.id or verdict not in BAD or finding is None:
+        for name, verdict, finding in bad_of(result):
+            if name != summary.id:
                 continue
             exponent = EXPONENTS.get(finding.get("numbers", {}).get("variant", ""))
             if verdict != Verdict.FAIL or exponent is None or NO_MESH in finding["detail"]:
@@ -656,8 +656,8 @@ def _errors(report: Report, summary: Summary, seen: Seen | None) -> str:
     """What most of the failed calls say."""
     said = Counter[str]()
     for result in report.results:
-        for name, verdict, finding in findings_of(result):
-            if name == summary.id and verdict in BAD and finding is not None:
+        for name, verdict, finding in bad_of(result):
+            if name == summary.id:
                 word = "" if verdict == Verdict.FAIL else f"{verdict}: "
                 said[word + " ".join(finding["detail"].split())[:160]] += 1
     if not said:

@@ -10,10 +10,10 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from isograde.causes import roots
-from isograde.model import BAD, EVIDENCE
+from isograde.model import EVIDENCE
 from isograde.report.diagnosis import diagnoses, right_cells
 from isograde.report.headline import BILINEAR, TRILINEAR, chosen
-from isograde.report.reading import CONVENTIONS, Report, Summary, bad_in, findings_of
+from isograde.report.reading import CONVENTIONS, Report, Summary, bad_in, bad_of
 
 # What holds, said of a claim that holds wherever it could fail; whole families are said as one.
 WHOLE = {"structure": "the arrays are well formed", "bodies": "known bodies come out"}
@@ -111,8 +111,8 @@ def _counted(
     for result in report.results:
         bad = {
             name: finding.get("numbers", {})
-            for name, verdict, finding in findings_of(result)
-            if name in failing and verdict in BAD and finding is not None
+            for name, _, finding in bad_of(result)
+            if name in failing
         }
         for claim, root in roots(bad).items():
             found[claim, root] += 1

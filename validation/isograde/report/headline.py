@@ -20,8 +20,8 @@ from collections.abc import Sequence
 from math import inf
 
 from isograde.causes import roots
-from isograde.model import BAD, LEVELS, Kind, Verdict
-from isograde.report.reading import Report, Rung, Summary, findings_of, results_tagged
+from isograde.model import LEVELS, Kind, Verdict
+from isograde.report.reading import Report, Rung, Summary, bad_of, results_tagged
 
 TIES = "topology.ties"
 TRILINEAR = "topology.trilinear"
@@ -183,11 +183,7 @@ def fault(report: Report, rung: Rung) -> str:
         if not result["general"]:
             continue
         kind = Kind(*report.cases[result["case"]]["kind"])
-        bad = {
-            name: finding or {}
-            for name, verdict, finding in findings_of(result)
-            if name in names and verdict in BAD
-        }
+        bad = {name: finding for name, _, finding in bad_of(result) if name in names}
         # Of one cause, say the root.
         of = roots({name: finding.get("numbers", {}) for name, finding in bad.items()})
         found.update(sorted({_fault(name, kind, bad[name]) for name in of.values()}))

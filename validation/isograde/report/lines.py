@@ -9,13 +9,14 @@ import gzip
 import io
 import json
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TextIO
 
+import fastjsonschema
 import jsonschema
 import numpy as np
 
@@ -111,15 +112,33 @@ def checked(line: str, place: str) -> JSON:
     name = record.get("record") if isinstance(record, dict) else None
     if name not in RECORDS:
         raise ReportError(f"{place} is no record of a report: record {name!r:.80}")
-    fault = jsonschema.exceptions.best_match(_validator(name).iter_errors(record))
-    if fault is not None:
-        told = clean(f"{fault.json_path} {fault.message}", LONGEST_FAULT)
-        raise ReportError(f"{place} is no {name} record: {told}")
+    try:
+        _compiled(name)(record)
+    except fastjsonschema.JsonSchemaValueException:
+        fault = jsonschema.exceptions.best_match(_validator(name).iter_errors(record))
+        if fault is not None:
+            told = clean(f"{fault.json_path} {fault.message}", LONGEST_FAULT)
+            raise ReportError(f"{place} is no {name} record: {told}") from None
     return record
+
+
+def _schema_of(name: str) -> JSON:
+    """The schema of one kind of line."""
+    definitions = schema()["$defs"]
+    return {**definitions[name], "$defs": definitions}
+
+
+@cache
+def _compiled(name: str) -> Callable[[Any], object]:
+    """The schema of one kind of line as a function, which raises where a record does not fit.
+
+    It is a twentieth of the work of `_validator`, whose sentences are better.
+    """
+    compiled: Callable[[Any], object] = fastjsonschema.compile(_schema_of(name), use_default=False)
+    return compiled
 
 
 @cache
 def _validator(name: str) -> Any:
-    """The validator of one kind of line."""
-    definitions = schema()["$defs"]
-    return jsonschema.Draft202012Validator({**definitions[name], "$defs": definitions})
+    """The same, for what is wrong with a record."""
+    return jsonschema.Draft202012Validator(_schema_of(name))

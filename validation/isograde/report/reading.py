@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from dataclasses import field as fresh
 from functools import cached_property
 from pathlib import Path
+from sys import intern
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,6 +41,10 @@ BODIES = "bodies"
 CHOICES = frozenset({"cells.separate", "cells.join", "cells.mean"})
 # Verdicts of a case that is evidence, had it been judged.
 UNJUDGED = (Verdict.UNSUPPORTED, Verdict.NOT_RUN)
+# A text that is shorter is never cut.
+SHORT = 200
+# As it stands in a line.
+PASSED = Verdict.PASS.value
 
 
 @dataclass(frozen=True)
@@ -380,13 +385,17 @@ class Report:
 
     def short_of(self, level: int) -> Short:
         """The fields in general position that are short of this level's rung."""
+        shorts: dict[int, Short] = self.memory.setdefault("short", {})
+        if level not in shorts:
+            shorts[level] = self._short_of(level)
+        return shorts[level]
+
+    def _short_of(self, level: int) -> Short:
+        """The same, computed."""
         names = {summary.id for summary in self._of_level(level)}
         general = [result for result in self.results if result["general"]]
         states = [_judged(result, names) for result in general]
-        failed = sum(
-            any(name in names and verdict in BAD for name, verdict, _ in findings_of(result))
-            for result in general
-        )
+        failed = sum(any(name in names for name, _, _ in bad_of(result)) for result in general)
         return Short(failed, states.count("unjudged"), len(states) - states.count(""))
 
     @property
@@ -423,9 +432,8 @@ class Report:
         """The cases on which each claim is bad."""
         found: dict[str, list[str]] = {}
         for result in self.results:
-            for name, verdict, _ in findings_of(result):
-                if verdict in BAD:
-                    found.setdefault(name, []).append(result["case"])
+            for name, _, _ in bad_of(result):
+                found.setdefault(name, []).append(result["case"])
         return found
 
     @property
@@ -486,17 +494,26 @@ class Report:
 def findings_of(result: JSON) -> Iterator[tuple[str, str, JSON | None]]:
     """Claim, verdict, and of what is no pass the finding."""
     for name in result["passed"]:
-        yield name, Verdict.PASS.value, None
+        yield name, PASSED, None
     for finding in result["findings"]:
         yield finding["claim"], finding["verdict"], finding
 
 
+def bad_of(result: JSON) -> Iterator[tuple[str, str, JSON]]:
+    """Claim, verdict and finding of what went wrong on a case."""
+    for finding in result["findings"]:
+        if finding["verdict"] in BAD:
+            yield finding["claim"], finding["verdict"], finding
+
+
 def _judged(result: JSON, names: set[str]) -> str:
     """Whether the claims of these names were judged on a case; nothing where it is no evidence."""
-    said = {verdict for name, verdict, _ in findings_of(result) if name in names}
-    if said & set(EVIDENCE):
+    if not names.isdisjoint(result["passed"]):
         return "judged"
-    return "unjudged" if said & set(UNJUDGED) else ""
+    said = {finding["verdict"] for finding in result["findings"] if finding["claim"] in names}
+    if not said.isdisjoint(EVIDENCE):
+        return "judged"
+    return "" if said.isdisjoint(UNJUDGED) else "unjudged"
 
 
 def read(path: Path) -> Report:
@@ -530,15 +547,23 @@ def fit(value: Any) -> Any:
     A report may have been written by another version, or by hand.
     """
     if isinstance(value, str):
-        return clean(value)
+        # Names of claims stand in thousands of lines: keep each once.
+        return intern(value) if _is_plain(value) else clean(value)
     if isinstance(value, dict):
         return {key: fit(item) for key, item in value.items()}
-    return [fit(item) for item in value] if isinstance(value, list) and _has_text(value) else value
+    if isinstance(value, list):
+        # Most are the names of claims that passed, or numbers.
+        plain = all(map(NUMBERS.__contains__, map(type, value)))
+        return value if plain else [fit(item) for item in value]
+    return value
 
 
-def _has_text(values: list[Any]) -> bool:
-    """Whether the list holds more than numbers."""
-    return not all(isinstance(value, int | float) for value in values)
+NUMBERS = frozenset({int, float, bool})
+
+
+def _is_plain(text: str) -> bool:
+    """It is known at a glance to need no cleaning: most texts, but not all that need none."""
+    return len(text) < SHORT and text.isascii() and text.isprintable()
 
 
 def _unknown(report: Report, record: JSON) -> str:
