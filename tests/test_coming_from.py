@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import os
 import textwrap
 from pathlib import Path
 from types import ModuleType
@@ -54,7 +53,9 @@ def same_places(points: Array, others: Array, limit: float) -> NDArray[np.int64]
     return np.asarray(which)
 
 
-@pytest.mark.parametrize("name", ["scikit_image", "pymcubes", "contourpy", "vtk"])
+@pytest.mark.parametrize(
+    "name", ["scikit_image", "scikit_image_contours", "pymcubes", "contourpy", "vtk"]
+)
 def test_the_page_shows_each_module(name: str) -> None:
     """A few dozen lines of code each, and none that the page does not show."""
     page = (ROOT / "docs" / "coming_from.rst").read_text(encoding="utf-8")
@@ -115,22 +116,33 @@ def test_scikit_images_steps_and_masks(step: int) -> None:
     assert len(found[1]) == len(theirs[1])
 
 
-def test_scikit_images_own_suite_passes() -> None:
-    """With our function in the place of theirs; wheels before 0.26 bring the file."""
+@pytest.mark.parametrize("fully", ["low", "high"])
+@pytest.mark.parametrize("posed", ["smooth", "noise", "ties"])
+def test_scikit_images_contours_come_out(posed: str, fully: str) -> None:
+    """Every directed segment: saddles both ways, samples left out, both directions.
+
+    Where ties make several lines meet in a point, which go on into which is either's choice.
+    """
     measure: Any = pytest.importorskip("skimage.measure")
-    named = os.environ.get("SKIMAGE_TESTS")
-    path = Path(named or Path(measure.__file__).parent / "tests" / "test_marching_cubes.py")
-    if not path.is_file():
-        pytest.skip(
-            "this scikit-image brings no tests: set SKIMAGE_TESTS to test_marching_cubes.py out "
-            "of a wheel before 0.26"
-        )
-    suite = module_at(path, "their_suite")
-    suite.marching_cubes = ours("scikit_image").marching_cubes  # type: ignore[attr-defined]
-    tests = [getattr(suite, name) for name in dir(suite) if name.startswith("test_")]
-    assert len(tests) == 8
-    for test in tests:
-        test()
+    values, level = volumes()[posed]
+    image = values[4]
+    random = np.random.default_rng(5)
+    total = 0
+    for share, direction in ((0.0, "low"), (0.1, "low"), (0.1, "high")):
+        holes = np.where(random.random(image.shape) < share / 2, np.nan, image)
+        mask = random.random(image.shape) >= share / 2
+        given = {"fully_connected": fully, "positive_orientation": direction, "mask": mask}
+        theirs = measure.find_contours(holes, level, **given)
+        mine = ours("scikit_image_contours").find_contours(holes, level, **given)
+        a, b = segments(mine), segments(theirs)
+        assert (len(mine) == len(theirs)) | (posed == "ties")
+        assert len(a) == len(b) > 0
+        for one, other in ((a, b), (b, a)):
+            assert np.max(cKDTree(one).query(other)[0]) < 1e-12
+        if posed != "ties":
+            assert sorted(map(len, mine)) == sorted(map(len, theirs))
+        total += len(mine)
+    assert total > 3
 
 
 @pytest.mark.parametrize("posed", ["smooth", "noise", "ties"])

@@ -1,9 +1,8 @@
 """Cases of the peers' own suites, asked of isoref through adapters of a few lines.
 
-None of the packages that are installed here (scikit-image, PyMCubes, trimesh, contourpy) brings its
-suite along, so that it cannot be run as it is. What their suites ask of the functions that isoref
-has too is asked again here, case by case; a test says from which suite a case is, and why an answer
-of isoref differs where it does.
+The suites themselves run in `tests.peers`, where their source distributions can be had, with the
+calls of the page "coming from". What they ask is asked again here, case by case, of more methods
+and without a network; a test says from which suite a case is, and why an answer differs.
 """
 
 from collections.abc import Sequence
