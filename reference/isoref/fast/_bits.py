@@ -1,0 +1,339 @@
+"""The bits of a slab: which samples are inside, which edges are crossed, which cells are active.
+
+Comparing a sample gives one bit. Whatever can be asked of bits is asked of eight samples at once, a
+byte, or of sixty-four, a word::
+
+    samples     . . . I I I . .  . . I I I . . .       inside or not, a bit each
+    bits        00011100         00111000              one byte for eight samples
+    crossed     bits ^ bits of the next sample         along each axis in turn
+    touched     crossed edges of a cell, joined by OR  not one cell has been looked at yet
+
+Only where a word of *touched* is not 0 are bytes looked at, and only in bytes that are not 0, bits.
+
+Glossary
+--------
+row         the samples along axis 2, padded to a multiple of 8
+place       of a sample or a cell (its lower corner): flat index in the padded slab
+edge        3 * place of its lower end + axis
+signs       eight bits, one a corner of a cell: whether it is inside (`isoref.cube`)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from isoref.cube import CORNER_OFFSETS, EDGE_CORNERS
+from isoref.field import Array, Integers
+
+Bytes = NDArray[np.uint8]
+
+# How many bits of a byte are set.
+POPULATION = np.array([n.bit_count() for n in range(256)])
+
+
+def take(table: Array, index: Array) -> Array:
+    """table[index], for indices that are in range: the look-up that NumPy is fastest at."""
+    return table.take(index, mode="clip")
+
+
+# --- Where samples, rows and bytes lie ---------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """The padded planes: how samples, rows and bytes lie in a slab.
+
+    n2, n3 : samples along axes 1 and 2
+    row_bytes : bytes of a row, a bit a sample
+    """
+
+    n2: int
+    n3: int
+    row_bytes: int
+
+    @property
+    def row(self) -> int:
+        """Places of a row."""
+        return 8 * self.row_bytes
+
+    @property
+    def plane(self) -> int:
+        """Places of a plane."""
+        return self.n2 * self.row
+
+    @property
+    def plane_bytes(self) -> int:
+        """Bytes of a plane, a bit a place."""
+        return self.n2 * self.row_bytes
+
+    @cached_property
+    def steps(self) -> Integers:
+        """(3,) how far neighbours along each axis are apart, in places."""
+        return np.array([self.plane, self.row, 1])
+
+    @cached_property
+    def sample_steps(self) -> Integers:
+        """(3,) the same in samples."""
+        return np.array([self.n2 * self.n3, self.n3, 1])
+
+    @cached_property
+    def edge_steps(self) -> Integers:
+        """(12,) from 3 * place of a cell to each of its edges."""
+        lower = CORNER_OFFSETS[EDGE_CORNERS[:, 0]]
+        return np.asarray(3 * (lower @ self.steps) + np.arange(12) // 4)
+
+
+@lru_cache(maxsize=64)
+def lattice_of(n2: int, n3: int) -> Lattice:
+    """The planes of so many samples, with what was worked out for them before."""
+    return Lattice(n2, n3, -(-n3 // 8))
+
+
+# --- Bytes that are not 0, and the bits in them ------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Bytes of a slab that are not 0, and their numbers, which climb.
+
+    where : (B,) which bytes of the slab they are
+    found : (B,) the bytes
+    """
+
+    where: Integers
+    found: Bytes
+
+    def between(self, start: int, stop: int) -> Found:
+        """Those of the bytes that have numbers from `start` to below `stop`."""
+        first, last = self.where.searchsorted((start, stop)).tolist()
+        return Found(self.where[first:last], self.found[first:last])
+
+    @staticmethod
+    def joined(parts: list[Found]) -> Found:
+        """The bytes of all, one after another."""
+        return Found(
+            np.concatenate([one.where for one in parts]),
+            np.concatenate([one.found for one in parts]),
+        )
+
+
+class Set:
+    """The set bits of some bytes of a slab, in order: B bytes that are not 0, N bits.
+
+    A bit that is number b of the 8 B bits stands in byte b >> 3. What climbs by one from bit to
+    bit, as places do, is known of all of them from a table for bytes: its entry is what a bit 0
+    has, less its b.
+
+    bit : (N,) the numbers b of the bits
+    byte : (N,) to which of the B each bit belongs
+    row : (B,) in which row of the slab each byte lies
+    index : three times (B,) the lattice index of its bit 0, planes counted from the slab's first;
+        along axis 2 less b
+    """
+
+    def __init__(self, bytes_: Found, lattice: Lattice) -> None:
+        self.lattice, m = lattice, bytes_.where
+        self.bit = np.unpackbits(bytes_.found, bitorder="little").view(np.bool_).nonzero()[0]
+        self.byte = self.bit >> 3
+        self.row = m // lattice.row_bytes
+        i = self.row // lattice.n2
+        b = np.arange(0, 8 * len(m), 8)
+        self._place = (m << 3) - b
+        k = self._place - self.row * lattice.row
+        self.index = i, self.row - i * lattice.n2, k
+
+    @cached_property
+    def _sample(self) -> Integers:
+        """(B,) the number of the sample of each byte's bit 0 in the slab, less b."""
+        if self.lattice.row == self.lattice.n3:
+            return self._place
+        return np.asarray(self.row * self.lattice.n3 + self.index[2])
+
+    def places(self) -> Integers:
+        """(N,) the place of each bit."""
+        places: Integers = take(self._place, self.byte)
+        places += self.bit
+        return places
+
+    def samples(self, which: Integers | None = None) -> Integers:
+        """(N,) the number of the sample of each bit, or of those asked for, in the slab."""
+        if which is None:
+            samples: Integers = take(self._sample, self.byte)
+            samples += self.bit
+            return samples
+        return np.asarray(take(self._sample, take(self.byte, which)) + take(self.bit, which))
+
+    def lattice_index(self, axis: int, which: Integers) -> Integers:
+        """The index along an axis of some bits, planes counted from the slab's first."""
+        index: Integers = take(self.index[axis], take(self.byte, which))
+        if axis == 2:
+            index += take(self.bit, which)
+        return index
+
+
+# --- The bits of one slab after another --------------------------------------------------------
+
+
+class Bits:
+    """The bits of a slab, in arrays that one slab after another works in.
+
+    lattice : of the padded planes
+    level : a sample is inside from here on
+    planes : planes of cells that a slab has at most
+    chunk : planes of samples that are compared at once
+    """
+
+    def __init__(self, lattice: Lattice, level: Any, planes: int, chunk: int) -> None:
+        self.lattice, self.level = lattice, level
+        size = (planes + 1) * lattice.plane_bytes
+        room = size + 16 & -8
+        self.inside = np.zeros((chunk, lattice.n2, lattice.row), np.bool_)
+        self.bits, self.next, self.work, self.touched = (np.zeros(room, np.uint8) for _ in range(4))
+        self.crossed = [np.zeros(room, np.uint8) for _ in range(3)]
+        self.is_set = np.empty(room // 8, np.bool_)
+
+        # Mark the samples that have a neighbour along axis 2, and those that have a cell.
+        has_next = np.packbits(np.arange(lattice.row) < lattice.n3 - 1, bitorder="little")
+        self.has_next = np.zeros(room, np.uint8)
+        self.has_next[:size].reshape(-1, lattice.row_bytes)[:] = has_next
+        self.has_cell = self.has_next.copy()
+        rows = self.has_cell[:size].reshape(planes + 1, lattice.n2, lattice.row_bytes)
+        rows[:, -1] = 0
+
+    def begin(self, samples: Array) -> None:
+        """Take the first plane of the first slab."""
+        self.bits[: self.lattice.plane_bytes] = self._packed(samples)
+
+    def go_on(self, planes: int) -> None:
+        """Make the last plane of a slab, which had so many, the first one of the next."""
+        plane = self.lattice.plane_bytes
+        self.bits[:plane] = self.bits[planes * plane : (planes + 1) * plane]
+
+    def _packed(self, samples: Array) -> Bytes:
+        """Whether the samples of these planes are inside, a bit each."""
+        inside = self.inside[: len(samples)]
+        np.greater_equal(samples, self.level, out=inside[:, :, : self.lattice.n3])
+        return np.packbits(inside.reshape(-1), bitorder="little")
+
+    def slab(self, samples: Array) -> tuple[list[Found], Found]:
+        """Bytes with crossed edges, axis by axis, and those with active cells.
+
+        samples : (P, N2, N3) the planes of the slab, of which `begin` or `go_on` took the first
+        """
+        planes, plane = len(samples) - 1, self.lattice.plane_bytes
+        for start in range(1, planes + 1, len(self.inside)):
+            packed = self._packed(samples[start : start + len(self.inside)])
+            self.bits[start * plane : start * plane + len(packed)] = packed
+        self._cross(planes)
+        self._touch(planes)
+
+        # Look at the words where something is, and in these at the bytes.
+        words = self.work[: (planes + 1) * plane + 7 & -8].view("<u8")
+        which = np.not_equal(words, 0, out=self.is_set[: len(words)]).nonzero()[0]
+        numbers = which - np.arange(len(which)) << 3
+        first, second, third = self.crossed
+        edges = [
+            self._not_zero(first, which, numbers),
+            self._not_zero(second, which, numbers),
+            self._not_zero(third, which, numbers, self.has_next),
+        ]
+        cells = self._not_zero(self.work, which, numbers, self.has_cell)
+        return edges, cells.between(0, planes * plane)
+
+    def _cross(self, planes: int) -> None:
+        """Compare neighbours along each axis."""
+        row, plane = self.lattice.row_bytes, self.lattice.plane_bytes
+        size, below = (planes + 1) * plane, planes * plane
+        bits, (first, second, third) = self.bits, self.crossed
+
+        # Bring the next sample along axis 2 to each place; what comes to the last one of a row is
+        # left out later.
+        words = size // 8 + 1
+        old, new, carry = (a.view("<u8") for a in (bits, self.next, self.work))
+        np.right_shift(old[:words], 1, out=new[:words])
+        np.left_shift(old[1 : words + 1], 63, out=carry[:words])
+        new[:words] |= carry[:words]
+
+        np.bitwise_xor(bits[:below], bits[plane:size], out=first[:below])
+        np.bitwise_xor(bits[: size - row], bits[row:size], out=second[: size - row])
+        np.bitwise_xor(bits[:size], self.next[:size], out=third[:size])
+
+        # The last plane and the last row of each have none; nor has what is left of a word.
+        first[below : size + 7 & -8] = 0
+        second[:size].reshape(planes + 1, self.lattice.n2, row)[:, -1] = 0
+        for one in self.crossed:
+            one[size : size + 7 & -8] = 0
+
+    def _touch(self, planes: int) -> None:
+        """Join the crossings of each cell's edges, in `work`: what is 0 has none.
+
+        A cell has crossed edges if one of seven is crossed that join all its corners: one along
+        axis 0, two along axis 1, four along axis 2. Where there is no cell, at the end of an axis,
+        those count that are there; besides, some bits may be set for no reason.
+        """
+        row, plane = self.lattice.row_bytes, self.lattice.plane_bytes
+        size, below = (planes + 1) * plane, planes * plane
+        first, second, third = self.crossed
+        touched, joined = self.touched, self.work
+        np.bitwise_or(third[: size - row], third[row:size], out=touched[: size - row])
+        touched[size - row : size] = third[size - row : size]
+        touched[: size - row] |= second[: size - row]
+        np.bitwise_or(touched[:below], touched[plane:size], out=joined[:below])
+        joined[:below] |= first[:below]
+        joined[below:size] = touched[below:size]
+        joined[size : size + 7 & -8] = 0
+
+    def _not_zero(
+        self, bytes_: Bytes, which: Integers, numbers: Integers, mask: Bytes | None = None
+    ) -> Found:
+        """The bytes of some words that are not 0, under a mask.
+
+        which : the words
+        numbers : of the first byte of each, less eight for each word before it
+        """
+        words = take(bytes_.view("<u8"), which)
+        if mask is not None:
+            words &= take(mask.view("<u8"), which)
+        own = words.view(np.uint8)
+        inner = (own != 0).nonzero()[0]
+        where = take(numbers, inner >> 3)
+        where += inner
+        return Found(where, take(own, inner))
+
+    def signs(self, where: Integers, cells: Set) -> Bytes:
+        """The signs of the active cells, which lie in the bytes with these numbers."""
+        corners = np.empty((len(where), 8), np.uint8)
+        for c, (i, j, k) in enumerate(CORNER_OFFSETS.tolist()):
+            beside = i * self.lattice.plane_bytes + j * self.lattice.row_bytes
+            corners[:, c] = take(self.next if k else self.bits, where + beside)
+        return np.asarray(take(transposed(corners), cells.bit))
+
+
+def transposed(corners: Bytes) -> Bytes:
+    """(8 M,) the signs of eight cells a row, from (M, 8): for each corner a byte, a bit a cell.
+
+    The matrix of 8 x 8 bits in each word is transposed by swapping its quarters, then the quarters
+    of these, then theirs (Warren, "Hacker's Delight", section 7-3).
+
+    >>> transposed(np.array([[1, 1, 0, 0, 0, 0, 0, 2]], np.uint8)).tolist()
+    [3, 128, 0, 0, 0, 0, 0, 0]
+    """
+    words = corners.reshape(-1).view("<u8")
+    swap = np.empty_like(words)
+    for shift, mask in (
+        (7, 0x00AA00AA00AA00AA),
+        (14, 0x0000CCCC0000CCCC),
+        (28, 0x00000000F0F0F0F0),
+    ):
+        np.right_shift(words, shift, out=swap)
+        swap ^= words
+        swap &= np.uint64(mask)
+        words ^= swap
+        np.left_shift(swap, shift, out=swap)
+        words ^= swap
+    return words.view(np.uint8)
