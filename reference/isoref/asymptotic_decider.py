@@ -93,7 +93,7 @@ from isoref.cube import (
 )
 from isoref.cycles import Triangle, cycles, fan, triangulate
 from isoref.field import Booleans, Floats, Integers
-from isoref.rule import Placement, Rule, Tile
+from isoref.rule import Placement, Rule, Tile, decide_faces
 
 # --------------------------------------------------------------------------------------------
 # Section 2: the bilinear interpolant of a face, its saddle, the decision
@@ -138,10 +138,9 @@ def separated(a: Floats, b: Floats, c: Floats, d: Floats) -> Booleans:
     >>> separated(*np.array([[3.0, 1.0], [-1.0, -2.0], [1.0, 2.0], [-1.0, -1.0]]))
     array([False, False])
     """
-    high = a >= 0
     with np.errstate(over="ignore", under="ignore"):
-        ac, bd = a * c, b * d
-    below, sure = plainly_below(np.where(high, ac, bd), np.where(high, bd, ac))
+        below, sure = plainly_below(a * c, b * d)
+    below = np.asarray(below == (a >= 0))
     if not sure.all():
         a, b, c, d = (x[~sure] for x in (a, b, c, d))
         below[~sure] = product_below(*np.where(a >= 0, (a, c, b, d), (b, d, a, c)))
@@ -200,20 +199,9 @@ def _halves(x: Floats) -> tuple[Floats, Floats]:
     return upper, x - upper
 
 
-#: (4, 6) the corners of the faces, first, second, third and fourth of each walk.
-WALKS = np.array(FACE_CORNERS).T
-#: An ambiguous face that is joined beyond doubt: it stands in for those that are not ambiguous.
-CLEAR = (1.0, -0.5, 1.0, -0.5)
-
-
 def decisions(g: Floats) -> Integers:
     """Bit f set where face f is ambiguous and separated, for n cells, from g (8, n)."""
-    # Look at the six faces of all cells at once: a, b, c, d are (6, n).
-    a, b, c, d = g[WALKS]
-    high_a, high_b, high_c, high_d = (g >= 0)[WALKS]
-    ambiguous = (high_a == high_c) & (high_b == high_d) & (high_a != high_b)
-    cut = separated(*(np.where(ambiguous, x, y) for x, y in zip((a, b, c, d), CLEAR, strict=True)))
-    return np.asarray(np.packbits(ambiguous & cut, axis=0, bitorder="little")[0], np.int64)
+    return decide_faces(g, separated)
 
 
 # --------------------------------------------------------------------------------------------

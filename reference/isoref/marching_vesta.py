@@ -46,7 +46,7 @@ from isoref.cube import (
 from isoref.cycles import Polygon, Triangle, fan
 from isoref.diconex import Mode, average_is_active
 from isoref.field import Floats, Integers
-from isoref.rule import Average, Placement, Rule, Tile, no_decisions
+from isoref.rule import Average, Placement, Rule, Tile, decide_faces, no_decisions
 from isoref.vesta import SIX_SURFACES, Resolution, fan_start
 
 Path = tuple[int, int, int]
@@ -123,12 +123,7 @@ def decisions(g: Floats) -> Integers:
 
     g (8, n) are the values at the corners minus the isovalue.
     """
-    bits = np.zeros(g.shape[1], np.int64)
-    for f, walk in enumerate(FACE_CORNERS):
-        a, b, c, d = g[list(walk)]
-        ambiguous = ((a >= 0) == (c >= 0)) & ((b >= 0) == (d >= 0)) & ((a >= 0) != (b >= 0))
-        bits |= (ambiguous & ~average_is_active(a, c, b, d)).astype(np.int64) << f
-    return bits
+    return decide_faces(g, lambda a, b, c, d: ~average_is_active(a, c, b, d))
 
 
 def tile(

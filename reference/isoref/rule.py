@@ -38,9 +38,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isoref.cube import ambiguous_faces
+from isoref.cube import FACE_CORNERS, ambiguous_faces
 from isoref.cycles import Triangle
-from isoref.field import Floats, Integers
+from isoref.field import Booleans, Floats, Integers
 
 Placement = Callable[[Floats, Floats], Floats]
 
@@ -77,6 +77,36 @@ def has_ambiguous_face(signs: int) -> bool:
 def no_decisions(g: Floats) -> Integers:
     """Zero for each cell: the rule compares no numbers."""
     return np.zeros(g.shape[1], np.int64)
+
+
+#: (4, 6) the corners of the faces: first, second, third and fourth of each walk.
+WALKS = np.array(FACE_CORNERS).T
+
+
+def decide_faces(g: Floats, separated: Callable[..., Booleans]) -> Integers:
+    """(n,) bit f is set where face f is ambiguous and separated, for n cells, from g (8, n).
+
+    separated : from a, b, c, d (m,), the values round m ambiguous faces, whether each is
+
+    >>> g = np.array([[1.0], [-1], [-1], [1], [-1], [-1], [-1], [-1]])
+    >>> decide_faces(g, lambda a, b, c, d: a * c == b * d)
+    array([16])
+    """
+    # Find the ambiguous faces among the six of all cells.
+    high_a, high_b, high_c, high_d = (g >= 0)[WALKS]
+    found = (high_a == high_c) & (high_b == high_d) & (high_a != high_b)
+    which = found.reshape(-1).nonzero()[0]
+
+    # Ask about these alone, from their own four values.
+    n = g.shape[1]
+    face = which // n
+    cell = which - face * n
+    values = (g.take((n * corners).take(face) + cell) for corners in WALKS)
+    found.reshape(-1)[which] = separated(*values)
+    bits = np.zeros(n, np.uint8)
+    for f, one in enumerate(found.view(np.uint8)):
+        bits |= one << f
+    return bits.astype(np.int64)
 
 
 @dataclass(frozen=True)

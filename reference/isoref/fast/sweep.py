@@ -46,7 +46,7 @@ from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 # the second.
 SLAB_POINTS = 1 << 20
 CHUNK_POINTS = 1 << 17
-PART_CELLS = 3 << 13
+PART_CELLS = 3 << 14
 
 # At most so many vertices that room is made for at once.
 EXPECTED = 1 << 19
@@ -115,6 +115,20 @@ class _Deferred:
     keys: Array
     g: Floats
     cells: tuple[Integers, Integers, Integers]
+    first: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """The interior points of n cells of a part.
+
+    cells : (n,) which of the part's cells
+    keys : (n,) of these
+    first : (n,) the first of each one's points, counted from the first of the part's
+    """
+
+    cells: Integers
+    keys: Integers
     first: Integers
 
 
@@ -211,7 +225,10 @@ class _Sweep:
         self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
-        self.parameters = np.empty(0)
+        # Where on their edges the crossings are of this slab and the one before: as they came, each
+        # with the number of its first vertex, and, where averages ask, so many of them by number.
+        self.recent: list[tuple[int, Floats]] = []
+        self.parameters, self.entered = np.empty(0), 0
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
     def _slab(self, first: int, planes: int) -> Iterator[float]:
@@ -221,10 +238,8 @@ class _Sweep:
         edges, cells = self.bits.slab(samples)
 
         # Number the vertices from the first one of the slab before, which shares a plane.
-        size = self.vertices.size
-        kept = self.parameters[self.begun - self.offset : size - self.offset].copy()
-        self.parameters[: len(kept)] = kept
-        self.offset, self.begun = self.begun, size
+        self.recent, self.entered = [one for one in self.recent if one[0] >= self.begun], 0
+        self.offset, self.begun = self.begun, self.vertices.size
         self.vertex_of[self.upper_edges] = self.upper_vertices
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
@@ -274,7 +289,7 @@ class _Sweep:
         for axis, step in enumerate(self.lattice.sample_steps.tolist()):
             at[ends[axis] : ends[axis + 1]] += step
         t = crossing_parameter(below, self._relative(take(part.samples, at)))
-        self._remember(t)
+        self.recent.append((self.vertices.size, t))
         if self.traced:
             self._trace(part, edges.samples(), at, t)
 
@@ -319,15 +334,6 @@ class _Sweep:
         kept = (places >= top).nonzero()[0]
         self.upper_edges = names[kept] - 3 * top
         self.upper_vertices = kept + (self.vertices.size - self.begun)
-
-    def _remember(self, t: Floats) -> None:
-        """Keep where on their edges the new crossings are, for the averages of cells."""
-        start = self.vertices.size - self.offset
-        if len(self.parameters) < start + len(t):
-            longer = np.empty(2 * (start + len(t)))
-            longer[: len(self.parameters)] = self.parameters
-            self.parameters = longer
-        self.parameters[start : start + len(t)] = t
 
     def _trace(self, part: _Part, low: Integers, high: Integers | int, t: Floats | float) -> None:
         """Say of new vertices between which samples of the slab they lie, and where."""
@@ -464,32 +470,32 @@ class _Sweep:
         if not self.tables.interior.any():
             return None
         own = take(self.tables.interior, keys)
-        end = np.cumsum(own)
-        if not end[-1]:
+        rows = own.nonzero()[0]
+        if not len(rows):
             return None
-        first = end - own + self.vertices.size
+        begun, own, key = self.vertices.size, take(own, rows), take(keys, rows)
+        end = own.cumsum()
+        first = end - own
         out = self.vertices.more(int(end[-1]))
         if self.traced:
-            self._trace(part, np.repeat(cells.samples(), own), -1, np.nan)
+            self._trace(part, cells.samples(rows).repeat(own), -1, np.nan)
 
         # Place averages here and now, all others at the end.
-        deferred = take(self.tables.deferred, keys)
-        averaged = ((own > 0) & ~deferred).nonzero()[0]
-        if len(averaged):
-            self._average(
-                part, cells, averaged, keys, base, first - (self.vertices.size - len(out)), out
-            )
+        deferred = take(self.tables.deferred, key)
+        if not deferred.all():
+            which = (~deferred).nonzero()[0]
+            points = _Points(*(take(one, which) for one in (rows, key, first)))
+            self._average(part, cells, points, take(base, points.cells), out)
         if deferred.any():
-            rows = deferred.nonzero()[0]
-            self.deferred.append(
-                _Deferred(
-                    take(keys, rows),
-                    self._corners(part.samples, cells.samples(rows)),
-                    self._cell_index(part, cells, rows),
-                    take(first, rows),
-                )
-            )
-        return first - (self.offset + 12)
+            which = deferred.nonzero()[0]
+            later = take(rows, which)
+            g = self._corners(part.samples, cells.samples(later))
+            index = self._cell_index(part, cells, later)
+            self.deferred.append(_Deferred(take(key, which), g, index, take(first, which) + begun))
+
+        inner = np.empty(len(keys), np.int64)
+        inner[rows] = first + (begun - self.offset - 12)
+        return inner
 
     def _cell_index(
         self, part: _Part, cells: Set, rows: Integers
@@ -499,22 +505,19 @@ class _Sweep:
         return i + part.first, j, k
 
     def _average(
-        self,
-        part: _Part,
-        cells: Set,
-        rows: Integers,
-        keys: Integers,
-        base: Integers,
-        first: Integers,
-        out: Array,
+        self, part: _Part, cells: Set, points: _Points, base: Integers, out: Array
     ) -> None:
-        """Place the averages of some cells in the rows of `out` from `first` (n,) on."""
+        """Place the averages of n cells in the rows of `out` that are theirs.
+
+        base : (n,) 3 * place of each cell
+        """
         # Name the cell, the row and the number of each average.
         tables = self.tables
-        own = take(tables.interior, take(keys, rows))
-        nth = np.arange(int(own.sum())) - np.repeat(np.cumsum(own) - own, own)
-        cell = np.repeat(rows, own)
-        place, mean = take(first, cell) + nth, take(tables.means, take(keys, cell)) + nth
+        own = take(tables.interior, points.keys)
+        cell = np.arange(len(own)).repeat(own)
+        nth = np.arange(len(cell)) - (own.cumsum() - own).repeat(own)
+        row = take(points.first, cell) + nth
+        mean = take(tables.means, take(points.keys, cell)) + nth
 
         # Take those of as many nodes together.
         length = take(tables.length, mean)
@@ -523,14 +526,25 @@ class _Sweep:
         for n, count in enumerate(np.bincount(length).tolist()):
             if not count:
                 continue
-            points = order[start : start + count]
+            which = order[start : start + count]
             start += count
-            column, own_cell = take(tables.place, take(mean, points)), take(cell, points)
-            total = self._mean(n, column, take(base, own_cell))
-            index = self._cell_index(part, cells, own_cell)
+            own_cell, own_row = take(cell, which), take(row, which)
+            place = self._mean(n, take(tables.place, take(mean, which)), take(base, own_cell))
+            index = self._cell_index(part, cells, take(points.cells, own_cell))
             for axis in range(3):
-                total[axis] += index[axis]
-                out[take(place, points), axis] = self._position(total[axis], axis)
+                place[axis] += index[axis]
+                out[own_row, axis] = self._position(place[axis], axis)
+
+    def _parameters(self) -> Floats:
+        """Where on its edge each crossing is, by its number, counted from `offset` on."""
+        size = self.vertices.size - self.offset
+        if len(self.parameters) < size:
+            self.parameters, self.entered = np.empty(2 * size), 0
+        for first, t in self.recent[self.entered :]:
+            start = first - self.offset
+            self.parameters[start : start + len(t)] = t
+        self.entered = len(self.recent)
+        return self.parameters
 
     def _mean(self, n: int, column: Integers, base: Integers) -> Floats:
         """(3, m) where the averages of n nodes are in their cells, the nodes added in their order.
@@ -539,11 +553,12 @@ class _Sweep:
         base : (m,) 3 * place of its cell
         """
         means, steps = self.tables.averages[n], self.steps.averages[n]
+        parameters = self._parameters()
         total = np.zeros((3, len(column)))
         for node in range(n):
             edges = take(steps[node], column)
             edges += base
-            t = take(self.parameters, take(self.vertex_of, edges))
+            t = take(parameters, take(self.vertex_of, edges))
             for axis in range(3):
                 along = take(means.along[axis, node], column)
                 along *= t
