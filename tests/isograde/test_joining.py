@@ -34,10 +34,6 @@ def timeless(report: reading.Report) -> list[Any]:
     """The records of a report without its date, its times and who asked how."""
     apart = {"date", "seconds", "jobs", "arguments"}
     found = [{k: v for k, v in one.items() if k not in apart} for one in report.records]
-    for one in found:
-        # The fast sweep's rows come in an order that depends on the calls before.
-        for name in {"came", "legal"} & one.keys():
-            one[name] = {**one[name], "simplices": sorted(one[name].get("simplices", []))}
     return sorted(found, key=lambda one: (one["record"], str(one.get("claim"))))
 
 

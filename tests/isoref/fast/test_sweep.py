@@ -237,6 +237,19 @@ def test_tiles_are_asked_for_once() -> None:
     assert len(asked) == before
 
 
+def test_the_arrays_do_not_depend_on_earlier_calls() -> None:
+    """Tiles are learned in the order in which volumes come; rows stand in an order of their own."""
+    first, second = (
+        Field.of(np.random.default_rng(seed).normal(size=(7, 8, 9))) for seed in (1, 2)
+    )
+    for name in ("trilinear-cubes", "marching-vesta-mixed-H"):
+        fresh, used = (replace(RULES[name], name=f"{name}, {which}") for which in ("a", "b"))
+        sweep(used, first, 0.0)
+        mesh, same = sweep(fresh, second, 0.0), sweep(used, second, 0.0)
+        assert np.array_equal(mesh.vertices, same.vertices)
+        assert np.array_equal(mesh.simplices, same.simplices)
+
+
 def test_triangles_come_in_the_order_of_their_cells() -> None:
     """The provenance names for each triangle the cell that holds its vertices."""
     values = np.random.default_rng(3).normal(size=(5, 4, 6))
