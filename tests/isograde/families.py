@@ -446,6 +446,14 @@ def singles_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     return cubes(values, isovalue, spacing)
 
 
+@correct(limits={"types": ["uint8"]})
+def bytes_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
+    """Takes bytes, as scanners give them, and nothing else."""
+    if values.dtype.name != "uint8":
+        raise TypeError(f"expected uint8, not {values.dtype}")
+    return cubes(values, isovalue, spacing)
+
+
 @correct(limits={"cubes": True, "least": 2, "greatest": 96})
 def cubes_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """Takes as many samples along each axis, 2 to 96."""

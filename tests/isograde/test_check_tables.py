@@ -11,11 +11,9 @@ import pytest
 from isograde import checking
 from isograde.adapters.forms import arrays_from
 from isograde.checking import Checked, sentences, small
-from isograde.checking.limits import STEPS, Within
 from isograde.checking.rows import cell, configurations, judged, row_told
 from isograde.declaration import Declaration
 from isograde.model import Outcome, Request, Status, Verdict
-from isoref.field import Field
 from isoref.methods import METHODS
 
 from tests.isograde import broken_tables
@@ -142,16 +140,6 @@ def test_who_takes_cubes_only_is_measured_in_cubes() -> None:
     found = checked(broken_tables.cubes_only)
     assert json.loads(found.paste)["limits"] == {"cubes": True}
     assert json.loads(found.paste)["conventions"] == {"units": "index"}
-
-
-@pytest.mark.parametrize("name", sorted(STEPS))
-def test_whole_numbers_keep_sides_and_ties(name: str) -> None:
-    """`Within` makes no sample change sides, and none a tie that was none."""
-    rng = np.random.default_rng(3)
-    for values in (rng.normal(size=(4, 4, 4)), rng.integers(-2, 3, (4, 4, 4)) / 2):
-        posed, (level,) = Within({"types": (name,)}).pose(Field.of(values), (0.0,))
-        assert posed.values.dtype == name
-        assert np.array_equal(np.sign(posed.values - level), np.sign(values))
 
 
 def test_nothing_is_pasted_where_the_surface_is_not_in_its_place() -> None:

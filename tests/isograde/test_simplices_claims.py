@@ -132,3 +132,35 @@ def test_volumes_of_known_manifolds_agree_with_monte_carlo(name: str) -> None:
     total = np.sqrt(np.linalg.det(g @ g.transpose(0, 2, 1))).sum()
     volume = total / hits * (2 * known.half) ** known.n / (2 * d) ** known.m
     assert volume == pytest.approx(known.volume, rel=0.06)
+
+
+def test_a_manifold_that_goes_on_beyond_the_domain_is_no_evidence() -> None:
+    """Found by ``make correct``: the torus comes near the border, the sphere does not."""
+
+    def cropped(values: Any, isovalue: Any, spacing: Any) -> tuple[Any, Any]:
+        vertices, simplices = reference(values[1:-1, 1:-1, 1:-1], isovalue, spacing)
+        return vertices + spacing, simplices
+
+    says = {"interpolant": "kuhn", "limits": {"kinds": [[3, 1]]}}
+    declared = declaration_from({**says, "domain": {"inset": 1, "end": "open"}}, "cropped")
+    for name, verdict in (("sphere", Verdict.PASS), ("torus", Verdict.SKIP)):
+        judged = grade(Here(cropped, declared), [CASES[name]], "simplices.euler")
+        assert [finding.verdict for _, _, finding in judged] == [verdict]
+    holed = Here(lambda *asked: pierced(*cropped(*asked)), declared)
+    judged = grade(holed, [CASES["sphere"]], "simplices.euler")
+    assert [finding.verdict for _, _, finding in judged] == [Verdict.FAIL]
+
+
+@pytest.mark.parametrize("types", [["uint8"], ["float32"]])
+def test_samples_in_whole_numbers_are_of_another_manifold(types: list[str]) -> None:
+    declared = declaration_from({"limits": {"types": types}}, "narrow")
+    euler = next(claim for claim in CLAIMS if claim.id == "simplices.euler")
+    assert euler.families(declared) is (types == ["float32"])
+
+
+def test_a_cap_need_not_solve_the_equations() -> None:
+    """Found by ``make correct``: a cap lies in the border, not on the flat set."""
+    flat = next(claim for claim in CLAIMS if claim.id == "simplices.flat")
+    closed = {"inset": -1, "end": "closed"}
+    assert not flat.families(declaration_from({"domain": closed}, "capped"))
+    assert flat.families(declaration_from({"domain": {"inset": 1, "end": "open"}}, "cropped"))

@@ -315,3 +315,33 @@ def test_a_lattice_of_its_own_may_be_tied_between_booleans() -> None:
         field = Field.of(values)
         one = trial(field, np.add(sheets, 1), crowded, declaration_from(soup, "x"), (0.5,))
         assert judged("manifold", one).verdict is verdict
+
+
+def test_a_domain_that_is_one_sample_thick_has_no_surface() -> None:
+    """Found by ``make correct``: 18 of 647 fields, who leaves the outermost cells out."""
+    inset = declaration_from({"domain": {"inset": 1, "end": "open"}}, "cropped")
+    field = Field.of(np.random.default_rng(2).normal(size=(3, 4, 3)))
+    empty = trial(field, np.empty((0, 3)), np.empty((0, 3), np.int64), inset)
+    assert judged("sides", empty).verdict is Verdict.PASS
+    one = trial(field, [[1, 1.2, 1], [1, 1.5, 1], [1, 1.5, 1.2]], [[0, 1, 2]], inset)
+    assert judged("sides", one).verdict is Verdict.FAIL
+    thick = Field.of(np.random.default_rng(2).normal(size=(4, 5, 4)))
+    nothing = trial(thick, np.empty((0, 3)), np.empty((0, 3), np.int64), inset)
+    assert judged("sides", nothing).verdict is Verdict.FAIL
+
+
+def test_corners_of_a_soup_stand_on_the_border_within_its_tolerance() -> None:
+    """Found by ``make correct``: two corners on two borders, 1e-5 from one sample and from it."""
+    values = np.full((2, 2, 2), -1.0)
+    values[0, 0, 1] = values[1, 1, 1] = 1
+    values[0, 1, 1] = -9e-6
+    field, vertices, simplices = cubes(values)
+    corners = vertices[simplices].reshape(-1, 3)
+    soup = np.arange(len(corners)).reshape(-1, 3)
+    declared = declaration_from({"mesh": {"soup": 1e-4}}, "soup")
+    assert judged("sides", trial(field, corners, soup, declared)).verdict is Verdict.PASS
+    verdicts = {
+        judged("sides", trial(field, corners, np.delete(soup, lost, axis=0), declared)).verdict
+        for lost in range(len(soup))
+    }
+    assert Verdict.FAIL in verdicts

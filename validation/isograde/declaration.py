@@ -41,6 +41,9 @@ kinds         the (n, m) it takes: [[3, 1]] unless said
 types         NumPy's names of the number types it takes; every type unless said
 least, greatest   samples along each axis; ``samples``, in all; ``cubes``: equal along all axes
 
+A field of another type is posed in one that is taken, and filled up to a cube, where that leaves
+its level set in its place (`isograde.within`); what else is outside the limits is not sent.
+
 Promises
 --------
 level         claims above it are judged and shown, and not held against the implementation; 2

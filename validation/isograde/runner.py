@@ -8,7 +8,8 @@ What becomes of a claim on a case
 ---------------------------------
 1. A claim that is not stated for the implementation's family, or for the case's (n, m), is not in
    the plan.
-2. A field outside the stated limits is not sent, and a call may be declined: "unsupported".
+2. A field outside the stated limits is posed within them (`isograde.within`) or not sent, and a
+   call may be declined: "unsupported".
 3. Judges of the raw outcome (structure, robustness) come first; without a mesh, every other claim
    is "not run": the fault is counted once, where it is.
 4. Variants are asked only when a claim that needs them is reached.
@@ -63,6 +64,7 @@ from isograde.model import (
     Trial,
     Verdict,
 )
+from isograde.within import posed, recast
 
 # Keep a failed case whole, for its picture and its numbers, up to this many numbers; of a larger
 # one in the plane, on a curve or in many dimensions, the answer alone, up to as many vertices.
@@ -294,7 +296,8 @@ class Worker:
         if case.id in self.kept:
             return self.kept[case.id]
         outcomes: dict[str, Outcome] = {}
-        trial = Trial(case, case.build(), self.declaration, outcomes)
+        given, field = posed(case, case.build(), self.declaration.limits)
+        trial = Trial(given, field, self.declaration, outcomes)
         if self.keeps and case.samples * case.kind.m <= KEPT_SAMPLES:
             self.kept[case.id] = trial, outcomes
         return trial, outcomes
@@ -323,14 +326,17 @@ class Worker:
         for name in names:
             if name in outcomes:
                 continue
-            posed = variants.pose(name, trial.case, trial.field)
-            if posed is None:
+            way = variants.pose(name, trial.case, trial.field)
+            if way is None:
                 continue
+            field, isovalues = way
+            if name not in variants.TYPES:
+                field = recast(field, trial.field, self.declaration.limits)
             calls = "once" if name == "plain" else variants.variant(name, trial.kind).calls
             # What the samples are of is known of the field itself, not of what is made of it.
-            same = posed[0] is trial.field and calls == "once"
+            same = field is trial.field and calls == "once"
             function = trial.case.function if same else None
-            outcome = self._call(Request(trial.case.id, name, *posed, calls, function))
+            outcome = self._call(Request(trial.case.id, name, field, isovalues, calls, function))
             if "large" in trial.case.tags and outcome.status in (Status.TIMEOUT, Status.MEMORY):
                 told = f"too large for the limits of a call: {outcome.detail}"
                 outcome = Outcome(Status.DECLINED, detail=told)

@@ -9,16 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from isograde.adapters.conventions import to_house
 from isograde.adapters.process import ProcessAdapter
 from isograde.checking.checked import Advice
-from isograde.checking.limits import Within
 from isograde.checking.rows import CORNERS, row_told
 from isograde.checking.spans import LONG
 from isograde.declaration import Declaration
 from isograde.model import BAD, Case, Claim, Kind, Limits, Outcome, Request, Verdict
+from isograde.within import Within
 
 # Judge so many small cases of each kind, fewer only of who takes longer than these seconds for its
 # answers to them: how busy a machine is shall not change what is said.
@@ -34,8 +32,6 @@ SLOW, SLOW_CASES = ("geometry.embedded",), 3
 # Conventions that are judged by claims of their own, which ask variants.
 CONVENTIONS = ("robustness.nan", "robustness.out_of_range")
 CONVENTION_CASES = 6
-# Pose cases up to this size within limits that were found out.
-LARGEST_POSED = 1000
 TIED = "; on fields with samples equal to the isovalue only"
 # What claims on small cases say where a long field showed a fault.
 SHORTER = f"; what is wrong above was seen on a longer field, of {LONG} samples along that axis"
@@ -92,14 +88,15 @@ def small_cases(
     from isograde.cases import FAMILIES
     from isograde.runner import Task, Worker, claims_for
 
-    only = replace(declaration.limits, kinds=((kind.n, kind.m),))
+    measured = {} if within is None else within.limits
+    only = replace(declaration.limits, kinds=((kind.n, kind.m),), **measured)
     declared = replace(declaration, limits=only)
     claims = {name: one for name, one in claims_for(declared).items() if _asked(one)}
     listed = [case for name in QUICK for case in FAMILIES[name].cases(0)]
     if not any(case.kind == kind for case in listed):
         # Of a kind of which no family is quick, the known bodies are the smallest there are.
         listed = [case for case in FAMILIES["bodies"].cases(0) if case.samples <= LARGEST_BODY]
-    cases = {case.id: _within(case, within) for case in listed if case.kind == kind}
+    cases = {case.id: case for case in listed if case.kind == kind}
     under = Under(adapter, declared)
     worker = Worker(under, declared, cases, claims)
     bad: dict[str, list[tuple[Case, Advice]]] = {}
@@ -136,17 +133,6 @@ def small_cases(
         yield Verdict.PASS, f"{kind}: {hold} on {judged} small cases{short}"
     if not judged:
         yield Verdict.UNSUPPORTED, f"{kind}: no small case could be judged"
-
-
-def _within(case: Case, within: Within | None) -> Case:
-    """The case, posed within the limits."""
-    if within is None or not within.limits or case.samples > LARGEST_POSED:
-        return case
-    field, isovalues = within.pose(case.build(), case.isovalues)
-    # What is known of the level set was known of other numbers.
-    tags = case.tags & {"cells", "noise", "ties"}
-    built = replace(case, build=lambda: field, isovalues=isovalues, tags=tags, facts={})
-    return replace(built, samples=int(np.prod(field.shape)))
 
 
 def _asked(claim: Claim) -> bool:

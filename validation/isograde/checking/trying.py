@@ -17,7 +17,6 @@ from isograde.adapters.measure import Measured, ball, levels, measure
 from isograde.adapters.process import ProcessAdapter
 from isograde.checking.arrays import doubled, malformed, rows_of, same
 from isograde.checking.checked import Advice
-from isograde.checking.limits import TRIED, Within
 from isograde.checking.places import level_at, misplaced, shifted
 from isograde.checking.rows import NO_CELL, rows_told
 from isograde.checking.sentences import WORDS, another_surface, looks_like, times
@@ -30,6 +29,7 @@ from isograde.declaration import (
     declaration_json,
 )
 from isograde.model import SURFACES, Kind, Outcome, Request, Status, Verdict
+from isograde.within import TRIED, Within
 
 Array = NDArray[Any]
 

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from isoref.mesh import Mesh
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.spatial import KDTree
 
 from isograde.declaration import Declaration
@@ -86,6 +87,26 @@ def lattice_of(trial: Trial) -> Lattice:
     return remembered(
         trial, "lattice", lambda: Lattice.of(trial.field, trial.isovalues, trial.declaration)
     )
+
+
+def is_cut_off(trial: Trial) -> bool:
+    """The level set may go on in cells outside a domain that ends inside the lattice.
+
+    In none of those cells do all components have both sides where it does not.
+    """
+    lattice = lattice_of(trial)
+    if (lattice.first <= 0).all() or min(lattice.shape) < 2:
+        return False
+    cells = sliding_window_view(
+        lattice.sides, (2,) * lattice.n, axis=tuple(range(1, lattice.n + 1))
+    )
+    corners = tuple(range(-lattice.n, 0))
+    mixed = (cells.any(axis=corners) & ~cells.all(axis=corners)).all(axis=0)
+    low = np.stack(np.nonzero(mixed), axis=1)
+    outside = (low < lattice.first - lattice.tolerance) | (
+        low + 1 > lattice.last + lattice.tolerance
+    )
+    return bool(outside.any())
 
 
 def is_general(trial: Trial) -> bool:

@@ -13,10 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from isograde.claims.curves import leaves_ends_open, on_edges
 from isograde.claims.evidence import (
     complex_of,
     failed,
+    is_cut_off,
     judged_complex,
     lattice_of,
     off_border,
@@ -94,6 +97,12 @@ def has_faces(kind: Kind) -> bool:
     return kind.k >= 2
 
 
+def takes_reals(declared: Declaration) -> bool:
+    """Of a manifold that is known, samples in whole numbers are another one."""
+    types = declared.limits.types
+    return not types or any(np.dtype(one).kind == "f" for one in types)
+
+
 def uncapped(declared: Declaration) -> bool:
     """Nothing closes a mesh at the border."""
     return all(end.end != "closed" for end in declared.domain)
@@ -115,6 +124,8 @@ def _claim(
     def of_trial(trial: Trial) -> Finding:
         if tags & {"curved", "flat"} and not isinstance(trial.case.facts.get("manifold"), Manifold):
             return skipped("of a part of a case nothing is known")
+        if "curved" in tags and is_cut_off(trial):
+            return skipped("the known manifold goes on beyond the domain")
         return judge(trial)
 
     of_trial.__doc__ = judge.__doc__
@@ -152,7 +163,7 @@ CLAIMS = (
         2,
         euler,
         {"curved", "flat"},
-        leaves_ends_open,
+        lambda declared: leaves_ends_open(declared) and takes_reals(declared),
         lambda kind: kind.k >= 1,
     ),
     _claim(
@@ -162,6 +173,6 @@ CLAIMS = (
         None,
         flat,
         {"flat"},
-        on_edges,
+        lambda declared: on_edges(declared) and uncapped(declared),
     ),
 )

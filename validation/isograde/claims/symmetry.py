@@ -563,6 +563,11 @@ def not_own(declared: Declaration) -> bool:
     return declared.vertices != "own"
 
 
+def of_several_types(declared: Declaration) -> bool:
+    """Called with samples, of more than one type."""
+    return given_samples(declared) and len(declared.limits.types) != 1
+
+
 def two_components(kind: Kind) -> bool:
     """Kinds with components that can change places."""
     return kind.m > 1
@@ -647,7 +652,7 @@ CLAIMS = (
         "The same numbers in another type give the same answer, up to rounding.",
         same_simplices,
         tuple(variants.TYPES),
-        given_samples,
+        of_several_types,
     ),
     Claim(
         "symmetry.normals_returned",
