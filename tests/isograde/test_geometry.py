@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.adapters.forms import arrays_from
-from isograde.claims import geometry
+from isograde.claims import cells, geometry
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import Case, Finding, Kind, Outcome, Request, Status, Trial, Verdict
 from isoref.fast.simplicial import extract as simplicial
@@ -262,3 +262,21 @@ def test_curves_in_which_isosurfaces_meet(method: str) -> None:
     assert judged("vertices", right).verdict is Verdict.PASS
     wrong = of(field, np.asarray(vertices) + 0.7, segments, Declaration(""))
     assert judged("vertices", wrong).verdict is Verdict.FAIL
+
+
+def test_an_inner_vertex_close_to_a_face_stands_in_it_beside_a_saddle_that_is_close() -> None:
+    """Found by ``make correct``: 1 of 13,025 vertices, 5e-6 of a cell from the face with a saddle.
+
+    The tolerance follows single precision, and so the extent of the lattice.
+    """
+    values = np.full((40, 3, 2), -1.0)
+    values[0, 1:] = [[-0.103512763977, 0.103434562683], [-0.136645317078, 0.928647041321]]
+    values[1, 1:] = [[0.133810997009, -0.133717536926], [0.835034370422, -0.453156471252]]
+    field = Field.of(values)
+    mesh = METHODS["asymptotic-decider"](field, 0.0)
+    away = np.abs(mesh.vertices[:, 1] - 1)
+    assert ((away > 0) & (away < 1e-5)).any()
+    one = of(field, mesh.vertices, mesh.simplices, Declaration(""))
+    assert judged("vertices", one).verdict is Verdict.PASS
+    count = next(claim for claim in cells.CLAIMS if claim.id == "cells.count")
+    assert count.judge(one).verdict is Verdict.PASS

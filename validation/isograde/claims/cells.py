@@ -315,8 +315,9 @@ def _triangles(trial: Trial) -> Finding:
     judged = ~traces.tied & ~traces.unjudged & (traces.separated | traces.joined).all(axis=1)
     if trial.declaration.interpolant == "multilinear":
         # Where a saddle is on the surface, an inner vertex may come to stand in the face.
-        row, _, sign, _ = saddles(domain_of(trial).lattice, found)
-        judged[row[sign == 0]] = False
+        lattice = domain_of(trial).lattice
+        row, _, sign, clarity = saddles(lattice, found)
+        judged[row[(sign == 0) | (clarity <= lattice.reach)]] = False
     if not judged.any():
         return undecided(found, traces.unjudged) or skipped(NOBODY)
     more = traces.excess

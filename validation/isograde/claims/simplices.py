@@ -173,6 +173,6 @@ CLAIMS = (
         None,
         flat,
         {"flat"},
-        lambda declared: on_edges(declared) and uncapped(declared),
+        lambda declared: on_edges(declared) and leaves_ends_open(declared),
     ),
 )

@@ -63,7 +63,9 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
 
 
 def tied_saddles(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
-    """(r,) which of these faces, along two axes each, have their saddle on the isovalue.
+    """(r,) which of these faces, along two axes each, have a saddle within reach of the isovalue.
+
+    An inner vertex as near to the face stands in it, as far as the tolerance can tell.
 
     Parameters
     ----------
@@ -81,7 +83,8 @@ def tied_saddles(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
     a, b, c, d = lattice.inside[tuple(corners)].T
     ambiguous = np.flatnonzero((a == d) & (b == c) & (a != b))
     values = components(lattice.field)[0][tuple(corners)][ambiguous]
-    tied[rows[ambiguous]] = saddle_sign(values, lattice.isovalue)[0] == 0
+    sign, clarity = saddle_sign(values, lattice.isovalue)
+    tied[rows[ambiguous]] = (sign == 0) | (clarity <= lattice.reach)
     return tied
 
 
