@@ -310,10 +310,14 @@ def least_inside(dtype: np.dtype[Any], isovalue: float) -> Any:
 
     >>> least_inside(np.dtype(np.uint8), 3.2)
     4
+    >>> least_inside(np.dtype(bool), 0.5), least_inside(np.dtype(bool), -1e300)
+    (1, 0)
     >>> [float(least_inside(np.dtype(np.float32), level)) >= level for level in (0.3, 0.7)]
     [True, True]
     """
-    if dtype.kind in "biu":
+    if dtype.kind == "b":
+        return int(np.ceil(min(max(isovalue, 0.0), 2.0)))  # Larger numbers fit no comparison.
+    if dtype.kind in "iu":
         return int(np.ceil(isovalue))
     with np.errstate(over="ignore"):
         rounded = dtype.type(isovalue)
