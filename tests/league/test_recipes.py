@@ -121,3 +121,13 @@ def test_a_package_is_built_from_its_registry_and_called_rightly(
     assert found.started
     wrong = [said for word, said in found.told if word == "wrong" and "declare" in said]
     assert not wrong, "what it declares is not what it does"
+
+
+def test_the_readme_shows_the_ten_that_come_first() -> None:
+    """Twelve lines, which the program writes between two marks."""
+    readme = (HERE.parents[1] / "README.md").read_text(encoding="utf-8")
+    best = (league.REPORTS / "league.md").read_text(encoding="utf-8")
+    assert len(best.splitlines()) == 12
+    assert league.between(readme, best) == readme
+    with pytest.raises(league.LeagueError, match="has not the marks"):
+        league.between("nothing", best)

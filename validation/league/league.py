@@ -53,6 +53,12 @@ REPORTS = ROOT / "reports" / "league"
 SPEED, VERSIONS = REPORTS / "speed.json", REPORTS / "versions"
 READY_MADE = ROOT / "reports" / "implementations"
 SERVICES = HERE / "services"
+README = ROOT / "README.md"
+# The best of the table stand between these in the README.
+MARKS = (
+    "<!-- the league, written by validation/league/league.py --page -->",
+    "<!-- the league ends -->",
+)
 
 USES = ("permissive", "copyleft", "non-commercial")
 
@@ -287,9 +293,20 @@ def page() -> Path:
                 )
                 absent[method] = failed or "not graded yet"
     known = about()
-    reports.write_whole(REPORTS / "league.md", twelve_lines(found, known))
+    best = twelve_lines(found, known)
+    reports.write_whole(REPORTS / "league.md", best)
+    reports.write_whole(README, between(README.read_text(encoding="utf-8"), best))
     text = choosing_page(found, links, known, absent, costs(), versions())
     return reports.write_whole(REPORTS / "index.html", text)
+
+
+def between(text: str, best: str) -> str:
+    """The text with these lines between its two marks; raises `LeagueError` where it has none."""
+    before, mark, rest = text.partition(MARKS[0])
+    _, end, after = rest.partition(MARKS[1])
+    if not mark or not end:
+        raise LeagueError(f"{README.name} has not the marks {' and '.join(MARKS)}")
+    return f"{before}{mark}\n{best}{end}{after}"
 
 
 def costs() -> dict[str, Measured]:

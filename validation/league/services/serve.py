@@ -44,7 +44,10 @@ def answer(asked, extract, options):
     cost = Cost()
     try:
         found = extract(values, isovalue, tuple(asked["spacing"]), **options)
-        vertices, simplices = (found.vertices, found.faces) if hasattr(found, "faces") else found
+        # Normals that come third are left: the protocol has no place for them.
+        vertices, simplices = (
+            (found.vertices, found.faces) if hasattr(found, "faces") else found[:2]
+        )
     except Exception as error:  # noqa: BLE001 - whatever the package raises is its answer
         return {"error": f"{type(error).__name__}: {error}"}
     seconds = cost.told()
