@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from isograde.oracles.space_curves import KNOWN
-from isograde.reproduction import Table, write_report
+from isograde.reproduction import Table
 from isoref.curves import Curve, real_and_imaginary
 from isoref.fast import marching_faces, surface_intersection
 from isoref.fast.surface_intersection import enhanced_marching_cubes, segment_chains
@@ -204,15 +203,3 @@ def joining(side: int, k: float, seeds: Sequence[int]) -> Table:
             table.add(f"seed {seed}, {name}", None, what)
         table.add(f"seed {seed}, mean length by theory", None, round(nodal_density(k), 4))
     return table
-
-
-def main() -> None:
-    """The table of ties alone, which takes a minute, beside the report."""
-    path = Path(__file__).parents[2] / "reports" / "papers" / "ljung_ynnerman" / "ties.md"
-    made = "Made by `papers/ljung_ynnerman/ljung_joining.py`; the report has the same table."
-    write_report(path, "Ljung & Ynnerman: ties", [made, ties(12, range(2))])
-    print(f"wrote {path}")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,12 +1,15 @@
 """Reproduce Table 1, Figures 1, 5 and 6 and Appendix A of Ljung & Ynnerman.
 
-Writes ``reports/papers/ljung_ynnerman.md`` and pictures beside it. The paper does not give its wave
+Writes ``reports/papers/ljung_ynnerman.md`` and, beside its pictures, ``ljung_ynnerman/methods.md``:
+what is drawn of random waves, an hour of one core, and what is shown of the two methods, minutes.
+``--part waves`` or ``--part methods`` writes one of the two. The paper does not give its wave
 numbers; they are found from the one number it prints, the share of empty voxels. Every number in
 the column "paper" is read from ``tables.json``; every other one is computed here.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 from collections.abc import Callable, Sequence
@@ -14,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import ljung_curves as curves_of_higher_order
 import ljung_faces as faces
 import ljung_joining as joinings
 import ljung_lines as lines
@@ -184,6 +188,12 @@ share of empty voxels is the printed one, and the rest of the table is then comp
 share fits where it can be one more draw: the verdict shows how many standard deviations (those of
 a further draw, rounding included) lie between it and the mean over the seeds; the level of 5 % is
 shared by all rows of a table. "expected" holds what theory, or the paper's own words, let expect.
+[A page of its own](ljung_ynnerman/methods.md) shows what the two methods do.
+""".strip()
+INTRODUCTION_OF_METHODS = """
+Made by `python papers/ljung_ynnerman/reproduce.py --part methods`. "paper" holds what the paper
+prints, "expected" what theory, or the paper's own words, let expect. [The page on random
+waves](../ljung_ynnerman.md) has Table 1 and the figures.
 """.strip()
 
 
@@ -217,8 +227,19 @@ def main(
     sides: Sequence[int] = (25, 33, 49, 65, 97, 129, 193, 257),
     seeds: int = 16,
     report: Path = REPORT,
+    part: str | None = None,
 ) -> list[Table]:
-    """Compute everything, write the report and its pictures; the tables."""
+    """Compute everything, or this part, write the pages and their pictures; the tables."""
+    tables: list[Table] = []
+    if part != "methods":
+        tables += of_waves(side, sides, seeds, report)
+    if part != "waves":
+        tables += of_methods(side, sides[len(sides) // 2], seeds, report.with_suffix(""))
+    return tables
+
+
+def of_waves(side: int, sides: Sequence[int], seeds: int, report: Path) -> list[Table]:
+    """The tables drawn of random waves: Table 1, Figures 1, 5 and 6, Appendix A; their page."""
     folder = report.with_suffix("")
     tables, means = table_1(side, range(seeds))
     figure_table_1(means, folder / "table1.svg")
@@ -228,27 +249,56 @@ def main(
         return matching_wave_number(sampler, side, seed, printed["real"][0])
 
     every, _ = lines.readings(SAMPLERS, side, range(max(2, seeds // 2)), printed["lines"], match)
-    k = 27.0 * side / 128
     parts: list[Table | str] = [*tables, every, consistency()]
-    parts += growth(sides, max(2, seeds // 2), k, folder)
-    numbers = (15.0, 20.0, 30.0, 45.0) if seeds > 2 else (30.0,)
-    parts += [faces.report(numbers, range(max(1, seeds // 4))), misprints.report()]
-    parts += [joinings.joining(side // 2, k, range(2)), joinings.ties(min(side // 8, 12), range(2))]
+    parts += growth(sides, max(2, seeds // 2), 27.0 * side / 128, folder)
     chosen = matching_wave_number(bounded_waves, side, 0, empty_share_of_figure_1())
     waves = Waves.of(bounded_waves((side,) * 3, chosen, seed=0), chosen, side)
     curves = surface_intersection.join_segments(waves.segments)
     points = marching_faces.marching_faces(*waves.fields)
     surfaces = [surface.mesh for surface in waves.surfaces]
-    notes = [figure_1(surfaces, curves, points, folder / "figure1.png")]
+    note = figure_1(surfaces, curves, points, folder / "figure1.png")
+    parts.append(figure_1_counts(side, range(seeds)))
+    title = "Ljung & Ynnerman: where two isosurfaces meet"
+    return _written(report, title, [INTRODUCTION, *_skipped(note)], parts, _pictures(folder))
+
+
+def of_methods(side: int, middle: int, seeds: int, folder: Path) -> list[Table]:
+    """The tables of what the two methods do, and their page; costs on `middle` samples."""
+    k = 27.0 * side / 128
+    numbers = (15.0, 20.0, 30.0, 45.0) if seeds > 2 else (30.0,)
     pairs = joinings.fields(side // 2, k, range(2))
     real, note = _real_data(folder / "vortices.png", pairs)
-    parts += [joinings.thresholds(pairs), figure_1_counts(side, range(seeds)), *real]
-    skipped = [f"Skipped: {note}." for note in [*notes, note] if note]
-    write_report(
-        report,
-        "Ljung & Ynnerman: where two isosurfaces meet",
-        [INTRODUCTION, *skipped, *_explained(parts), *_pictures(folder)],
-    )
+    parts: list[Table | str] = [
+        faces.report(numbers, range(max(1, seeds // 4))),
+        curves_of_higher_order.report(),
+        misprints.report(),
+        scalings.costs(middle, min(seeds, 3), k),
+        joinings.joining(side // 2, k, range(2)),
+        joinings.thresholds(pairs),
+        joinings.ties(min(side // 8, 12), range(2)),
+        *real,
+    ]
+    picture = "![Phase vortices of the third echo](vortices.png)"
+    pictures = [picture] if (folder / "vortices.png").exists() else []
+    title = "Ljung & Ynnerman: what the two methods do"
+    opening = [INTRODUCTION_OF_METHODS, *_skipped(note)]
+    return _written(folder / "methods.md", title, opening, parts, pictures)
+
+
+def _skipped(note: str | None) -> list[str]:
+    """What was left out, and why."""
+    return [f"Skipped: {note}."] if note else []
+
+
+def _written(
+    path: Path,
+    title: str,
+    opening: Sequence[str],
+    parts: Sequence[Table | str],
+    pictures: Sequence[str],
+) -> list[Table]:
+    """The tables among the parts; the page is written."""
+    write_report(path, title, [*opening, *_explained(parts), *pictures])
     return [part for part in parts if isinstance(part, Table)]
 
 
@@ -261,7 +311,6 @@ def growth(sides: Sequence[int], seeds: int, k: float, folder: Path) -> list[Tab
     return [
         scalings.scaling(counted, timed),
         scalings.approach(counted),
-        scalings.costs(sides[len(sides) // 2], min(seeds, 3), k),
         scalings.appendix_a(counted, sides[-1] // 2 + 1, k),
     ]
 
@@ -285,7 +334,6 @@ def _pictures(folder: Path) -> list[str]:
             ("table1.svg", "Table 1 as bars"),
             ("figure5.svg", "Figure 5: times"),
             ("figure6.svg", "Figure 6: tests"),
-            ("vortices.png", "Phase vortices of the third echo"),
         )
         if (folder / name).exists()
     ]
@@ -333,6 +381,8 @@ def _real_data(picture: Path, pairs: joinings.Pairs) -> tuple[list[Table], str |
 
 
 if __name__ == "__main__":
-    for table in main():
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--part", choices=("waves", "methods"), help="one page, default both")
+    for table in main(part=parser.parse_args().part):
         print(table.markdown())
     print(f"written: {REPORT.relative_to(ROOT)}")

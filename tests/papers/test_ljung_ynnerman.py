@@ -146,14 +146,30 @@ def test_the_whole_program_runs_without_real_data(
     monkeypatch.setattr(reproduce, "figure_1", lambda *_: "no pictures here")
     report = tmp_path / "ljung_ynnerman.md"
     tables = reproduce.main(24, (13, 17, 25), 2, report)
-    text = report.read_text(encoding="utf-8")
-    assert len(tables) == 10
-    assert "## Ambiguous faces: the rules beside the true field" in text
-    assert "readings fit the print" in text
-    assert "## The greedy joining's threshold" in text
-    assert "Skipped: no pictures here." in text
-    assert "Skipped: phase vortices in real data" in text
+    waves = report.read_text(encoding="utf-8")
+    methods = (tmp_path / "ljung_ynnerman" / "methods.md").read_text(encoding="utf-8")
+    assert len(tables) == 11
+    assert "readings fit the print" in waves
+    assert "Skipped: no pictures here." in waves
+    assert "## Ambiguous faces: the rules beside the true field" in methods
+    assert "## The greedy joining's threshold" in methods
+    assert "Skipped: phase vortices in real data" in methods
+    assert "ljung_ynnerman/methods.md" in waves
     assert (tmp_path / "ljung_ynnerman" / "figure6.svg").is_file()
+
+
+def test_curves_of_higher_order_have_it_and_confidence_is_the_sine_of_the_angle(
+    module: Callable[[str], ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Section 6: cubics of order 4, chords of 2; tangents err more where surfaces meet flatly."""
+    curves = module("ljung_curves")
+    monkeypatch.setattr(curves, "ANGLES", (60, 3))
+    table = curves.report()
+    assert not table.differing()
+    assert len(table.rows) == 8
+    errors = [row.ours.split("; ") for row in table.rows if "error of tangents" in row.what]
+    assert float(errors[1][0]) > 3 * float(errors[0][0])
+    assert float(errors[1][1]) < float(errors[0][1])
 
 
 def test_phase_vortices_of_the_real_volume(
