@@ -6,7 +6,8 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 1. Marching cubes: `lorensen_cline`, then what it stands on, `cycles`, `cube`, `rule`, `sweep`,
    `field` and `mesh`.
 2. Its repair: `asymptotic_decider`, `diagonals`, `trilinear_cubes`, and the catalogue, `methods`.
-3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`, `hypersurface`.
+3. Volume-enclosing surfaces: `diconex`, `vesta`, `marching_vesta`, `freeze_out`, `hypersurface`,
+   `cornelius`.
 4. Other families: `dual`, `surface_nets`, `dual_marching_cubes`, `label_cubes`,
    `marching_tetrahedra`. What a surface carries: `attributes`; closed on
    the border: `capping`; without triangles that have no area: `degenerate`, and `ties`, where

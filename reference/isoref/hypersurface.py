@@ -1,10 +1,10 @@
-r"""Freeze-out in 3+1 dimensions: the hypersurface round a fireball, piece by piece, with normals.
+r"""STEVE: the freeze-out hypersurface round a fireball in 3+1 dimensions, with its normals.
 
 A fireball without symmetry needs time and all three directions of space. Its freeze-out
 hypersurface is the isosurface of the temperature on a lattice of four axes, of dimension three, and
-what is asked of it are its elements: a place, and a normal as long as the element is large. Two
-programs of the field do this: STEVE, the four-dimensional counterpart of VESTA, and CORNELIUS. Both
-go from cell to cell and build from the bottom up::
+what is asked of it are its elements: a place, and a normal as long as the element is large. STEVE,
+the four-dimensional counterpart of VESTA, goes from cell to cell and builds from the bottom up, as
+`isoref.cornelius` does in another way::
 
     edge        a point       by linear interpolation
     square      segments      two points, or four: the mean of the corners says how they are joined
@@ -23,8 +23,8 @@ polygon     a cycle of edges in a cube, the inside on the left of its outer side
 dsigma      normal of one tetrahedron: two neighbouring points of a polygon, the average of the
             polygon, the average of the polyhedron
 dSigma      normal of one polyhedron, the sum of its dsigma
-mode        what an ambiguous square does: ``mixed`` asks the mean of its four samples, as CORNELIUS
-            does; ``disconnect`` and ``connect`` are the global modes of VESTA and STEVE
+mode        what an ambiguous square does: ``mixed`` asks the mean of its four samples, as
+            CORNELIUS does; ``disconnect`` and ``connect`` are the global modes of VESTA and STEVE
 
 Invariants
 ----------
@@ -37,9 +37,6 @@ References
 ----------
 1. B. R. Schlei, "Hyper-surface extraction in four dimensions" (STEVE), arXiv 1302.5683, 2013. The
    text was not at hand; section IV of "Volume-Enclosing Surface Extraction" names it.
-2. P. Huovinen, H. Petersen, "Particlization in hybrid models", Eur. Phys. J. A 48, 2012
-   (CORNELIUS). The text was not at hand; the mean at ambiguous squares and the tetrahedra are told
-   as later programs tell them.
 """
 
 from __future__ import annotations
