@@ -271,11 +271,17 @@ EXERCISES = {
                 ORIENTED: "Two segments begin at one node, or end there: they do not run the same "
                 "way along the curve.",
                 SIDES: "The curve does not pass a face of the lattice as often, or not in the "
-                "direction, that the samples say. If the two numbers below differ in their signs "
-                "alone, it is the direction.",
+                "direction, that the samples say.",
                 VERTICES: "A node is not in a cell that both surfaces pass.",
             },
             fields.pairs_of_fields,
+            {
+                (SIDES, "between-"): "The curve passes a face of the lattice that it should not, "
+                "or does not pass one that it should: a segment is longer than what both "
+                "triangles have of the common line.",
+                (SIDES, "direction-"): "The curve passes a face of the lattice the other way than "
+                "the samples say: it has a direction, and something has taken it away.",
+            },
         ),
         Exercise(
             12,

@@ -154,10 +154,15 @@ def dimensions() -> list[Case]:
 
 
 def pairs_of_fields() -> list[Case]:
-    """Two fields of noise each, whose surfaces meet."""
+    """Two fields of noise each, whose surfaces meet.
+
+    On some a face of the lattice tells the two faults apart (a test looks): where segments run, on
+    "direction", or what they pass, on "between".
+    """
     rng = np.random.default_rng(11)
+    called = {0: "direction", 5: "direction", 7: "between", 10: "between"}
     return [
-        case(f"meeting-{k}", rng.normal(size=(2, *shape)), 0.1, CURVES)
+        case(f"{called.get(k, 'meeting')}-{k}", rng.normal(size=(2, *shape)), 0.1, CURVES)
         for k, shape in enumerate([(2, 2, 2)] * 12 + [(3, 3, 3)] * 4)
     ]
 
