@@ -186,6 +186,12 @@ def test_the_declaration_to_paste_is_that_of_the_ready_made(
     kept = {name: pasted[name] for name in ("interpolant", "vertices", "mesh") if name in pasted}
     assert kept == words
     assert found.domain[0].end == declared.domain[0].end
+    if words == {"vertices": "cells"}:
+        # A dual method has no table: its author is told what a crowded edge is, and of no row.
+        crowded = [told for _, told in checked.advice if "topology.manifold fails" in told]
+        assert len(crowded) == 1
+        assert "one vertex stands for both" in crowded[0]
+        assert " row " not in crowded[0]
 
 
 SOUP = """

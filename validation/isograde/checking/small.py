@@ -40,6 +40,11 @@ BETWEEN_CELLS = (
     "; each row of the table is right alone, so two cells join the crossings of an ambiguous face "
     "between them in different ways, or do not share its vertices"
 )
+# What crowded edges are, where a cell has one vertex.
+ONE_VERTEX = (
+    "; where two sheets of the surface pass through one cell, or through the face between two, one "
+    "vertex stands for both: give each sheet its own"
+)
 
 
 @dataclass
@@ -121,7 +126,8 @@ def small_cases(
         yield Verdict.FAIL, told
         bad = {}
     for name in sorted(bad, key=lambda name: -len(bad[name])):
-        verdict, told = _of_one_claim(kind, name, bad[name], judged)
+        dual = declared.vertices == "cells"
+        verdict, told = _of_one_claim(kind, name, bad[name], judged, dual=dual)
         tied = not any(case.id in general for case, _ in bad[name])
         between = BETWEEN_CELLS if rows and name == "topology.closed" else ""
         told += "" if ended and name == "topology.closed" else TIED if tied else between
@@ -149,10 +155,17 @@ def _in_turn(name: str, turn: int) -> bool:
     return name not in CONVENTIONS or turn < CONVENTION_CASES
 
 
-def _of_one_claim(kind: Kind, name: str, failed: list[tuple[Case, Advice]], judged: int) -> Advice:
-    """One sentence on a claim that fails; where that is on single cells, with a row."""
+def _of_one_claim(
+    kind: Kind, name: str, failed: list[tuple[Case, Advice]], judged: int, *, dual: bool
+) -> Advice:
+    """One sentence on a claim that fails; where that is on single cells, with a row.
+
+    `dual` : its vertices are in cells, so no row of a table is at fault
+    """
     case, (verdict, told) = next((one for one in failed if _is_cell(one[0])), failed[0])
     told = f"{kind}: {name} fails on {len(failed)} of {judged} small cases; {told}"
+    if dual:
+        return verdict, told + (ONE_VERTEX if name == "topology.manifold" else "")
     return verdict, f"{told} ({_row(case)})" if _is_cell(case) else told
 
 
