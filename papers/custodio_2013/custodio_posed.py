@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from custodio_files import is_set, read_set
 from isograde.model import Adapter, AdapterError, Request
 from isograde.oracles.complexes import Complex, components_of
 from isoref.field import Field
@@ -51,19 +52,22 @@ class Published:
 
     @classmethod
     def read(cls, folder: Path) -> Published:
-        """The set in this folder.
+        """The set in this folder: as it is published, in small files, or in one file of NumPy's.
 
         Raises
         ------
         FileNotFoundError
-            where the folder has no such file
+            where the folder has neither
         ValueError
             where the set contradicts itself: equal grids with unequal Betti numbers
         """
-        with np.load(folder / NAME) as kept:
-            every = kept["grids"].astype(np.float64)
-            betti = np.stack([kept["grid_b0"], kept["grid_b1"]], axis=1).astype(np.int64)
-            cells, euler = kept["cells"].astype(np.float64), kept["cell_euler"].astype(np.int64)
+        if is_set(folder):
+            cells, euler, every, betti = read_set(folder)
+        else:
+            with np.load(folder / NAME) as kept:
+                every = kept["grids"].astype(np.float64)
+                betti = np.stack([kept["grid_b0"], kept["grid_b1"]], axis=1).astype(np.int64)
+                cells, euler = kept["cells"].astype(np.float64), kept["cell_euler"].astype(np.int64)
         _, first, back, times = np.unique(
             every.reshape(len(every), -1),
             axis=0,

@@ -1,7 +1,9 @@
 """Hold every implementation to the published verification set of Etiene and Custodio.
 
 Run it from anywhere: ``python papers/custodio_2013/reproduce.py``. The set (`custodio.npz`) is
-looked for in the folder that ISOGRADE_DATA names; without it there is no report.
+looked for in the folder that ISOGRADE_DATA names, or the set as it is published
+(`custodio_files`); without it there is no report. ``--cases FILE`` writes the set as cases of the
+grader instead.
 """
 
 from __future__ import annotations
@@ -16,9 +18,11 @@ from pathlib import Path
 
 import custodio_posed as posed
 import numpy as np
+from custodio_files import write_cases
 from isograde.adapters import open_adapter, ready_made_names
 from isograde.claims.cells import on_cell_edges
 from isograde.model import SURFACES, AdapterError, Limits
+from isograde.oracles.stratified_morse import euler
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
 from isograde.oracles.trilinear_grid import grid
@@ -27,9 +31,15 @@ from isograde.reproduction import Table, write_report
 HERE = Path(__file__).parent
 OPENING = """Made by `papers/custodio_2013/reproduce.py`. What is compared are the Euler
 characteristics and Betti numbers that come with the verification set of Etiene and others (2012)
-and Custodio and others (2013); "right" is how often an implementation's mesh has the same. A guided
-reading is in `papers/custodio_2013/README.md`.
+and Custodio and others (2013), and what the grader's oracles say of the same fields. Every
+implementation is on [a page of its own](custodio_2013/implementations.md). A guided reading is in
+`papers/custodio_2013/README.md`.
 """
+OPENING_OF_IMPLEMENTATIONS = """Made by `papers/custodio_2013/reproduce.py --part implementations`.
+"Right" is how often an implementation's mesh has the published numbers of
+[the set](../custodio_2013.md).
+"""
+TITLE = "The published verification set"
 
 
 @dataclass(frozen=True)
@@ -45,22 +55,41 @@ class Agreed:
 
 
 def main() -> None:
-    """The report, in reports/papers of this repository or in --out."""
+    """The pages, in reports/papers of this repository or in --out, or a file of cases."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE.parents[1] / "reports" / "papers")
     parser.add_argument("--jobs", type=int, default=1, help="how many processes, default 1")
+    told = "which page to write, default both: oracles, implementations"
+    parser.add_argument("--part", choices=("oracles", "implementations"), help=told)
+    told = "write no page, but the set as cases for `isograde grade NAME --cases FILE`"
+    parser.add_argument("--cases", type=Path, metavar="FILE", help=told)
+    told = "with --cases: every so many cells and distinct grids, default 100"
+    parser.add_argument("--every", type=int, default=100, metavar="N", help=told)
     options = parser.parse_args()
     folder = Path(os.environ.get("ISOGRADE_DATA", ""))
-    if not os.environ.get("ISOGRADE_DATA") or not (folder / posed.NAME).is_file():
-        raise SystemExit(f"set ISOGRADE_DATA to the folder that holds {posed.NAME}")
+    at_hand = posed.is_set(folder) or (folder / posed.NAME).is_file()
+    if not os.environ.get("ISOGRADE_DATA") or not at_hand:
+        raise SystemExit(
+            f"set ISOGRADE_DATA to the folder that holds {posed.NAME}, or MarchingCubes_cases and "
+            "Closed_Surfaces as they are published"
+        )
     published = posed.Published.read(folder)
-    parts: list[Table | str] = [OPENING, the_set(published)]
-    with ProcessPoolExecutor(options.jobs) as pool:
-        truths = pool.submit(oracles, published)
-        rows = list(pool.map(partial(agreed, published=published), implementations()))
-        parts += [truths.result(), implementations_text(rows, published)]
-    write_report(options.out / "custodio_2013.md", "The published verification set", parts)
-    print(f"wrote {options.out / 'custodio_2013.md'}")
+    if options.cases:
+        some = slice(None, None, max(1, options.every))
+        made = write_cases(options.cases, published.cells[some], published.grids[some])
+        print(f"{options.cases} has {made} cases more")
+        return
+    if options.part != "implementations":
+        page = options.out / "custodio_2013.md"
+        write_report(page, TITLE, [OPENING, the_set(published), oracles(published)])
+        print(f"wrote {page}")
+    if options.part != "oracles":
+        with ProcessPoolExecutor(options.jobs) as pool:
+            rows = list(pool.map(partial(agreed, published=published), implementations()))
+        page = options.out / "custodio_2013" / "implementations.md"
+        parts = [OPENING_OF_IMPLEMENTATIONS, implementations_text(rows, published)]
+        write_report(page, f"{TITLE}: implementations", parts)
+        print(f"wrote {page}")
 
 
 def the_set(published: posed.Published) -> Table:
@@ -83,7 +112,7 @@ def the_set(published: posed.Published) -> Table:
 
 
 def oracles(published: posed.Published) -> Table:
-    """The grader's two oracles beside the published numbers."""
+    """The grader's oracles beside the published numbers."""
     table = Table("The grader's oracles beside the published numbers")
     truths = cells(published.cells)
     good = truths.ties == NONE
@@ -94,6 +123,11 @@ def oracles(published: posed.Published) -> Table:
     times = published.times
     table.add("grids, by gluing swept cells", None, int(times[right.all(axis=1)].sum()),
               expected=int(times.sum()))  # fmt: skip
+    morse = np.array([euler(-one) for one in published.grids])
+    alike = morse == 2 * published.betti[:, 0] - 2 * published.betti[:, 1]
+    note = "what each critical point above the isovalue adds; after Etiene and others 2012"
+    table.add("grids, by stratified Morse theory", None, int(times[alike].sum()),
+              expected=int(times.sum()), note=note)  # fmt: skip
     for name, values, wanted in (
         ("cells", published.cells[::10], published.euler[::10]),
         ("distinct grids", published.grids[::10], published.betti[::10]),

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.adapters import open_adapter
-from isograde.model import Adapter, Limits
+from isograde.cases.own import read as read_cases
+from isograde.declaration import Declaration
+from isograde.model import Adapter, Limits, Verdict
 from isograde.oracles.complexes import Complex
 from isograde.oracles.stratified_morse import euler
 from isograde.oracles.trilinear import cells
@@ -16,6 +18,7 @@ from isograde.oracles.trilinear_grid import grid
 from isoref.field import Field
 from isoref.methods import METHODS
 
+from tests.isograde.judging import verdicts
 from tests.papers.loading import importer
 
 
@@ -122,3 +125,92 @@ def test_critical_points_give_the_published_handles_of_every_grid(posed: Any) ->
     assert len(published.grids) == 2580
     found = [euler(-one) for one in published.grids]
     assert found == (2 * published.betti[:, 0] - 2 * published.betti[:, 1]).tolist()
+
+
+def as_published(folder: Path, files: Any, cells_: Any, grids_: Any) -> None:
+    """A folder of fields and invariants as the set is published."""
+    for kind, values, truths in (
+        (files.CELLS, cells_, [[x] for x in cells(cells_).euler]),
+        (
+            files.GRIDS,
+            grids_,
+            [[t.components, t.components - t.euler // 2] for t in map(grid, grids_)],
+        ),
+    ):
+        name, beside, what = kind
+        (folder / name / "Grids").mkdir(parents=True)
+        (folder / name / beside).mkdir()
+        for number, (one, own) in enumerate(zip(values, truths, strict=True)):
+            path = folder / name / "Grids" / f"{number}-scalar_field.iso"
+            path.write_bytes(files.written(one))
+            told = "\n".join(map(str, own)) + "\n"
+            (folder / name / beside / f"{number}-{what}.txt").write_text(told, encoding="utf-8")
+
+
+@pytest.fixture
+def few(tmp_path: Path) -> tuple[Path, Any, Any, Any]:
+    """A folder as the set is published, its module, and the cells and grids in it."""
+    files = importer("custodio_2013")("custodio_files")
+    inner = np.random.default_rng(5).uniform(-1, 1, (12, 2, 2, 2)).astype(np.float32)
+    own = grids(3, seed=6).astype(np.float32).astype(np.float64)
+    as_published(tmp_path, files, inner.astype(np.float64), own)
+    return tmp_path, files, inner, own
+
+
+def test_the_set_is_read_as_it_is_published(few: Any, posed: Any) -> None:
+    """Fields with x fastest, invariants beside them, in the order of their numbers."""
+    folder, files, inner, own = few
+    assert files.is_set(folder)
+    published = posed.Published.read(folder)
+    assert (published.cells == inner).all()
+    assert published.euler.tolist() == cells(inner.astype(np.float64)).euler.tolist()
+    assert len(published.grids) == len(own)
+    path = folder / "MarchingCubes_cases" / "Grids" / "3-scalar_field.iso"
+    assert np.frombuffer(path.read_bytes(), "<f4")[9 + 1] == inner[3][1, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda p: p.write_bytes(p.read_bytes()[:-4]), "not those of"),
+        (lambda p: p.write_bytes(b""), "header"),
+        (lambda p: p.write_bytes(p.read_bytes()[:-4] + b"\xff" * 4), "not finite"),
+        (lambda p: p.write_bytes(b"\xff" * 36), "not those of"),
+    ],
+)
+def test_a_file_that_is_not_of_the_set_is_named(few: Any, spoil: Any, words: str) -> None:
+    """Cut short, empty, no numbers, an absurd header."""
+    folder, files, _, _ = few
+    spoil(folder / "Closed_Surfaces" / "Grids" / "1-scalar_field.iso")
+    with pytest.raises(files.SetError, match=rf"1-scalar_field\.iso.*{words}"):
+        files.read_set(folder)
+
+
+def test_an_invariant_that_is_missing_is_named(few: Any) -> None:
+    """Of a grid, two numbers."""
+    folder, files, _, _ = few
+    told = folder / "Closed_Surfaces" / "InvariantsGrid" / "2-invariant_grid.txt"
+    told.write_text("1", encoding="utf-8")
+    with pytest.raises(files.SetError, match=r"2-invariant_grid\.txt: 1 whole numbers"):
+        files.read_set(folder)
+    told.unlink()
+    with pytest.raises(files.SetError, match=r"2-invariant_grid\.txt"):
+        files.read_set(folder)
+
+
+def test_the_set_becomes_cases_of_the_grader(few: Any, tmp_path: Path) -> None:
+    """`isograde grade --cases`: the same numbers, held to the trilinear topology."""
+    _, files, inner, own = few
+    path = tmp_path / "custodio.json"
+    assert files.write_cases(path, inner[:2].astype(np.float64), own[:1]) == 3
+    assert files.write_cases(path, inner[:2].astype(np.float64), own[:1]) == 0
+    read = read_cases(path)
+    assert [case.id for case in read][-1] == "own/custodio-grid-0"
+    assert (read[1].build().values == inner[1]).all()
+
+    def reference(values: Any, isovalue: float, spacing: Any) -> Any:
+        mesh = METHODS["trilinear-cubes"](Field.of(values, spacing), isovalue)
+        return mesh.vertices, mesh.simplices
+
+    found = verdicts(reference, Declaration("here", level=4), read, "topology.trilinear")
+    assert set(found["topology.trilinear"]) == {Verdict.PASS}

@@ -21,6 +21,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
@@ -130,9 +131,8 @@ def entries(path: Path) -> list[Entry]:
     listed = held.get("cases")
     if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
         raise OwnCasesError(f'{path}: "cases" is no list of cases')
-    names = [case_of(one).id for one in listed]
-    for name in names:
-        if names.count(name) > 1:
+    for name, number in Counter(case_of(one).id for one in listed).items():
+        if number > 1:
             raise OwnCasesError(f"{path} has two cases with the id {name}")
     return listed
 
