@@ -39,6 +39,9 @@ from isoref.rule import Average, Rule, Tile
 
 Fan = tuple[int, int, list[int]]
 
+#: A fan has at most so many triangles; more of them are cut into two.
+LONGEST = 12
+
 
 @cache
 def fans(triangles: tuple[Triangle, ...]) -> list[Fan]:
@@ -64,13 +67,34 @@ def fans(triangles: tuple[Triangle, ...]) -> list[Fan]:
 def _fan(triangles: list[Triangle], first: Triangle, corner: int) -> list[Triangle]:
     """The triangles that follow each other round the hub of the first one."""
     fan = [first]
-    while True:
+    while len(fan) < LONGEST:
         hub, end = fan[-1][corner], fan[-1][(corner + 2) % 3]
         onward = (t for t in triangles if t[corner] == hub and t[(corner + 1) % 3] == end)
         following = next(onward, None)
         if following is None or following in fan:
-            return fan
+            break
         fan.append(following)
+    return fan
+
+
+#: So many fans of a kind are drawn at once, so that their nodes fit the first cache.
+BLOCK = 1 << 12
+
+
+@cache
+def corners_of(number: int) -> Integers:
+    """(BLOCK * T * 3,) the corners of the triangles of a block of fans of this kind.
+
+    Each is named by its place among the nodes of the block, (T + 2, BLOCK) flat.
+
+    >>> (corners_of(2 * (3 * 2 + 2))[:6] // BLOCK).tolist()
+    [1, 2, 0, 2, 3, 0]
+    """
+    triangles, hub = number // 6, number // 2 % 3
+    nodes = np.zeros((triangles, 3), np.int64)
+    for step in (1, 2):
+        nodes[:, (hub + step) % 3] = np.arange(triangles) + step
+    return (nodes * BLOCK + np.arange(BLOCK)[:, None, None]).reshape(-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ import numpy as np
 
 from isoref.cube import CORNER_OFFSETS
 from isoref.fast._bits import POPULATION, Bits, Bytes, Found, Set, lattice_of, take
-from isoref.fast._fans import Kind, steps_of, tiles_of
+from isoref.fast._fans import BLOCK, LONGEST, Kind, corners_of, steps_of, tiles_of
 from isoref.fast._growing import Growing
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
 from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
@@ -222,6 +222,9 @@ class _Sweep:
         chunk = min(planes, max(1, CHUNK_POINTS // self.lattice.plane))
         self.bits = Bits(self.lattice, self.level, planes, chunk)
         self.vertex_of = np.empty(3 * (planes + 1) * self.lattice.plane, np.int32)
+        # A block of fans: the edges and vertices at one node, and the vertices at all of them.
+        self.edges, self.found = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int32)
+        self.nodes = np.empty((LONGEST + 2, BLOCK), self.triangles.array.dtype)
         self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
@@ -383,10 +386,10 @@ class _Sweep:
         for kind in self.tables.kinds.values():
             own = slice(start, start + int(counts[kind.number]))
             if own.stop > start:
-                nodes = self._nodes(kind, columns[own], base[own])
+                first = None
                 if inner is not None and kind.is_inside:
-                    self._insert(kind, columns[own], take(inner, owners[own]), nodes)
-                self._draw(kind, nodes)
+                    first = take(inner, owners[own])
+                self._draw(kind, columns[own], base[own], first)
             start = own.stop
         if self.traced:
             self._sort(part.first, cells, np.repeat(owners, self._sizes(counts)), begun)
@@ -410,37 +413,38 @@ class _Sweep:
             g[c] = self._relative(take(samples, low + step))
         return g
 
-    def _nodes(self, kind: Kind, column: Integers, base: Integers) -> list[Integers]:
-        """(T + 2) times (n,) the vertices at the nodes of n fans, counted from `offset` on.
+    def _draw(self, kind: Kind, column: Integers, base: Integers, inner: Integers | None) -> None:
+        """Add the triangles of n fans of one kind, block by block.
 
         column : (n,) of each fan in its kind
         base : (n,) 3 * place of its cell
+        inner : (n,) the number of the node 12 of its cell, less 12, where there are such nodes
         """
-        found = []
-        for steps in self.steps.fans[kind.number]:
-            edges = take(steps, column)
+        size, corners = 3 * kind.triangles, corners_of(kind.number)
+        out = self.triangles.more(kind.triangles * len(base)).reshape(-1)
+        for start in range(0, len(base), BLOCK):
+            own = slice(start, min(start + BLOCK, len(base)))
+            count = own.stop - start
+            self._look_up(kind, column[own], base[own], None if inner is None else inner[own])
+            self.nodes.take(
+                corners[: size * count], mode="clip", out=out[size * start : size * own.stop]
+            )
+
+    def _look_up(
+        self, kind: Kind, column: Integers, base: Integers, inner: Integers | None
+    ) -> None:
+        """Put the vertices at the nodes of a block of fans into `nodes`; as `_draw`."""
+        edges, found = self.edges[: len(base)], self.found[: len(base)]
+        for steps, nodes, out in zip(
+            self.steps.fans[kind.number], kind.nodes, self.nodes, strict=False
+        ):
+            steps.take(column, mode="clip", out=edges)
             edges += base
-            found.append(take(self.vertex_of, edges))
-        return found
-
-    def _insert(self, kind: Kind, column: Integers, inner: Integers, found: list[Integers]) -> None:
-        """Write the numbers of interior points into the nodes of n fans.
-
-        inner : (n,) the number of the node 12 of each fan's cell, less 12
-        """
-        for nodes, numbers in zip(kind.nodes, found, strict=True):
-            if nodes.max() >= 12:
+            self.vertex_of.take(edges, mode="clip", out=found)
+            np.add(found, self.offset, out=out[: len(base)])
+            if inner is not None and nodes.max() >= 12:
                 node = take(nodes, column)
-                np.copyto(numbers, inner + node, where=node >= 12, casting="same_kind")
-
-    def _draw(self, kind: Kind, nodes: list[Integers]) -> None:
-        """Add the triangles of n fans, given their nodes as `_nodes` does."""
-        hub, *ring = nodes
-        out = self.triangles.more(kind.triangles * len(hub))
-        out = out.reshape(len(hub), kind.triangles, 3)
-        for n, (first, second) in enumerate(pairwise(ring)):
-            for corner, vertices in enumerate((hub, first, second), kind.hub):
-                np.add(vertices, self.offset, out=out[:, n, corner % 3])
+                np.copyto(out[: len(base)], inner + node, where=node >= 12, casting="same_kind")
 
     def _sizes(self, counts: Integers) -> Integers:
         """(n,) how many triangles each fan has, given how many there are of each kind."""
@@ -464,8 +468,7 @@ class _Sweep:
     ) -> Integers | None:
         """Number the interior points of n cells; (n,) the number of the first, less 12.
 
-        Numbers count from `offset` on, and are as they come where a cell has no such points. None
-        where no cell has any.
+        Numbers are as they come where a cell has no such points. None where no cell has any.
         """
         if not self.tables.interior.any():
             return None
@@ -494,7 +497,7 @@ class _Sweep:
             self.deferred.append(_Deferred(take(key, which), g, index, take(first, which) + begun))
 
         inner = np.empty(len(keys), np.int64)
-        inner[rows] = first + (begun - self.offset - 12)
+        inner[rows] = first + (begun - 12)
         return inner
 
     def _cell_index(
