@@ -183,13 +183,15 @@ class Bits:
     """The bits of a slab, in arrays that one slab after another works in.
 
     lattice : of the padded planes
-    level : a sample is inside from here on
     planes : planes of cells that a slab has at most
     chunk : planes of samples that are compared at once
+    level : a sample is inside from here on
     """
 
-    def __init__(self, lattice: Lattice, level: Any, planes: int, chunk: int) -> None:
-        self.lattice, self.level = lattice, level
+    level: Any
+
+    def __init__(self, lattice: Lattice, planes: int, chunk: int) -> None:
+        self.lattice = lattice
         size = (planes + 1) * lattice.plane_bytes
         room = size + 16 & -8
         self.inside = np.zeros((chunk, lattice.n2, lattice.row), np.bool_)

@@ -26,14 +26,17 @@ sorted by cells. Vertices come part by part, crossings before interior points.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS
-from isoref.fast._bits import POPULATION, Bits, Bytes, Found, Set, lattice_of, take
+from isoref.fast._bits import POPULATION, Bits, Bytes, Found, Lattice, Set, lattice_of, take
 from isoref.fast._fans import BLOCK, LONGEST, Kind, corners_of, steps_of, tiles_of
 from isoref.fast._growing import Growing
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
@@ -50,6 +53,9 @@ PART_CELLS = 3 << 14
 
 # At most so many vertices that room is made for at once.
 EXPECTED = 1 << 19
+
+# The vertices of a slab's edges may take so many bytes of a room that is kept for the next call.
+KEPT = 1 << 22
 
 
 @in_space
@@ -100,6 +106,40 @@ def pieces(
 
 # In place of the crossings of a cell for those who do not look at them.
 _NO_CROSSINGS = np.empty((12, 0, 3))
+
+
+class _Room:
+    """The arrays that all slabs of at most so many planes of cells work in.
+
+    vertex_of : (3 * places,) the vertex on each crossed edge of a slab, counted from `offset` on
+    edges, found, nodes : of a block of fans: the edges and vertices at one node, and the vertices
+        at all of them
+    """
+
+    def __init__(self, lattice: Lattice, planes: int, chunk: int, whole: type[Any]) -> None:
+        self.bits = Bits(lattice, planes, chunk)
+        self.vertex_of = np.empty(3 * (planes + 1) * lattice.plane, np.int32)
+        self.edges, self.found = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int32)
+        self.nodes = np.empty((LONGEST + 2, BLOCK), whole)
+
+
+# Small rooms, left by sweeps that are done, for sweeps to come: with a small volume, to make a room
+# takes as long as to work in it.
+_rooms: deque[tuple[Any, _Room]] = deque(maxlen=4)
+
+
+@contextmanager
+def _room(*kind: Any) -> Iterator[_Room]:
+    """A room of this kind, which nobody else works in."""
+    try:
+        found, room = _rooms.pop()
+    except IndexError:
+        found = None
+    if found != kind:
+        room = _Room(*kind)
+    yield room
+    if room.vertex_of.nbytes <= KEPT:
+        _rooms.append((kind, room))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,19 +252,18 @@ class _Sweep:
         if min(self.field.shape) < 2:
             return
         planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
-        self._make_room(planes)
-        self.bits.begin(self.values[:1])
-        for first in range(0, layers, planes):
-            yield from self._slab(first, min(planes, layers - first))
-
-    def _make_room(self, planes: int) -> None:
-        """The arrays that all slabs of at most so many planes of cells work in."""
         chunk = min(planes, max(1, CHUNK_POINTS // self.lattice.plane))
-        self.bits = Bits(self.lattice, self.level, planes, chunk)
-        self.vertex_of = np.empty(3 * (planes + 1) * self.lattice.plane, np.int32)
-        # A block of fans: the edges and vertices at one node, and the vertices at all of them.
-        self.edges, self.found = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int32)
-        self.nodes = np.empty((LONGEST + 2, BLOCK), self.triangles.array.dtype)
+        with _room(self.lattice, planes, chunk, self.triangles.array.dtype.type) as room:
+            self._move_in(room)
+            self.bits.begin(self.values[:1])
+            for first in range(0, layers, planes):
+                yield from self._slab(first, min(planes, layers - first))
+
+    def _move_in(self, room: _Room) -> None:
+        """Begin to work in this room."""
+        self.bits, self.vertex_of = room.bits, room.vertex_of
+        self.edges, self.found, self.nodes = room.edges, room.found, room.nodes
+        self.bits.level = self.level
         self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
@@ -284,14 +323,16 @@ class _Sweep:
     def _make_crossings(self, part: _Part, crossed: list[Found]) -> None:
         """Number and place the crossings on the edges that a part owns, axis by axis."""
         edges, ends = self._edges(part, crossed)
-        self._number(part, edges.places(), ends)
+        at = edges.places()
+        self._number(part, at, ends)
 
         # Interpolate between the samples at both ends of each edge.
-        at = edges.samples()
+        if self.lattice.row > self.lattice.n3:
+            at = edges.samples()
         below = self._relative(take(part.samples, at))
         for axis, step in enumerate(self.lattice.sample_steps.tolist()):
             at[ends[axis] : ends[axis + 1]] += step
-        t = crossing_parameter(below, self._relative(take(part.samples, at)))
+        t = self._parameters_of(below, self._relative(take(part.samples, at)))
         self.recent.append((self.vertices.size, t))
         if self.traced:
             self._trace(part, edges.samples(), at, t)
@@ -353,6 +394,15 @@ class _Sweep:
         if samples.dtype.kind in "iu" and samples.dtype.itemsize == 8:
             values[(values >= 0) & (samples < self.level)] = -LEAST
         return values
+
+    def _parameters_of(self, below: Floats, above: Floats) -> Floats:
+        """Where on their edges the crossings are, as `crossing_parameter`."""
+        if self.values.dtype.itemsize > 4:
+            return crossing_parameter(below, above)
+        # Numbers of 32 bits are far enough apart, and not too far, for any difference of doubles.
+        above -= below
+        np.divide(below, above, out=above)
+        return np.negative(above, out=above)
 
     def _position(self, index: Floats, axis: int) -> Floats:
         """The positions of fractional indices along an axis, in the array of these."""
