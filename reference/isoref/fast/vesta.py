@@ -14,21 +14,26 @@ v, w, p, q  the four voxels at a juncture, as in `isoref.vesta`
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from isoref import vesta as article
 from isoref.diconex import Border, Mode, as_field, average_is_active, check_choice
+from isoref.fast._bits import take
 from isoref.fast.diconex import framed
 from isoref.field import Array, Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh, in_space
 from isoref.sweep import crossing_parameter
 from isoref.vesta import DIRECTIONS, JUNCTURES, RANK, Cycles, Resolution, provenance_of
+
+#: Planes of at most so many voxels have their faces followed at once, or one plane.
+BLOCK_VOXELS = 1 << 20
 
 Decide = Callable[[Integers, Integers, Integers, Integers], Booleans]
 
@@ -40,14 +45,14 @@ class Surface(article.Surface):
         """The cycles cut into triangles, all of one length together."""
         check_choice("resolution", resolution, get_args(Resolution))
         vertices, triangles = [self.points], [np.empty((0, 3), np.int64)]
-        count = len(self.points)
+        count, codes = len(self.points), _code(self.centres)
         for length, rows in self.cycles.items():
             if length > 7 or (resolution == "H" and length > 3):
                 vertices.append(self.points[rows].mean(axis=1))
                 triangles.append(_spokes(rows, count))
                 count += len(rows)
             else:
-                triangles.append(_fan(rows, fan_start(self.centres[rows])))
+                triangles.append(_fan(rows, _fan_start(take(codes, rows.T))))
         return Mesh.of(np.concatenate(vertices), np.concatenate(triangles))
 
     @cached_property
@@ -126,18 +131,33 @@ class Faces:
         voxel = np.where(upward, lower, lower + step[2 * axis])
         return cls(active.shape, keys, voxel, 2 * axis + ~upward)
 
-    def find(self, voxel: Integers, direction: Integers) -> Integers:
-        """The numbers of the faces of these voxels in these directions, which must exist."""
-        lower = voxel + np.minimum(strides(self.shape), 0)[direction]
-        return np.searchsorted(self.keys, 3 * lower + direction // 2)
+    def blocks(self) -> Iterator[slice]:
+        """Runs of faces, so that each has at most so many planes of voxels, or one."""
+        plane = self.shape[1] * self.shape[2]
+        planes = max(1, BLOCK_VOXELS // plane)
+        cuts = self.keys.searchsorted(3 * plane * np.arange(0, self.shape[0] + planes, planes))
+        return (slice(*cut) for cut in pairwise(cuts.tolist()) if cut[0] < cut[1])
+
+    def numbers(self, block: slice) -> tuple[Integers, NDArray[np.int32]]:
+        """The first key, and from there on by their keys the numbers of faces near a block.
+
+        Near are two planes on either side; what lies between is undefined.
+        """
+        reach = 6 * self.shape[1] * self.shape[2]
+        first, last = self.keys[block.start] - reach, self.keys[block.stop - 1] + reach
+        start, stop = self.keys.searchsorted((first, last))
+        number = np.empty(last - first + 1, np.int32)
+        number[self.keys[start:stop] - first] = np.arange(start, stop, dtype=np.int32)
+        return first, number
 
     @cached_property
     def lower(self) -> tuple[Integers, Integers, Integers]:
         """Three times (F,) the index of the lower voxel in the volume without its frame."""
         _, n2, n3 = self.shape
-        row, k = np.divmod(self.keys // 3, n3)
-        i, j = np.divmod(row, n2)
-        return i - 1, j - 1, k - 1
+        place = self.keys // 3
+        row = place // n3
+        i = row // n2
+        return i - 1, row - i * n2 - 1, place - row * n3 - 1
 
     @cached_property
     def along(self) -> tuple[Booleans, Booleans, Booleans]:
@@ -193,30 +213,49 @@ def successors(faces: Faces, active: Booleans, decide: Decide) -> Integers:
     Path ``4 f + k`` lies on face f, begins at juncture k + 1 and ends at juncture k.
     """
     successor = np.empty((len(faces.keys), 4), np.int64)
-    for k in range(4):
-        face, juncture = _across(faces, JUNCTURES[faces.direction, k], active.ravel(), decide)
-        # Go on along the path that begins at the juncture.
-        path = (RANK[faces.direction[face], juncture] - 1) % 4
-        successor[:, k] = 4 * face + path
+    for block in faces.blocks():
+        first, number = faces.numbers(block)
+        for k in range(4):
+            key, path = _across(faces, block, k, active.ravel(), decide)
+            key -= first
+            successor[block, k] = 4 * take(number, key).astype(np.int64) + path
     return successor.ravel()
 
 
 def _across(
-    faces: Faces, d: Integers, active: Booleans, decide: Decide
+    faces: Faces, block: slice, k: int, active: Booleans, decide: Decide
 ) -> tuple[Integers, Integers]:
-    """The face met at juncture d of each face, and the juncture's direction seen from there."""
-    v, r, step = faces.voxel, faces.direction, strides(faces.shape)
-    w, p = v + step[r], v + step[d]
-    q = w + step[d]
-    concave, flat = active[q], active[p]
+    """The key of the face met at juncture k of each face of a block, and the path followed there.
+
+    What is met depends on the range direction and on which voxels are active alone, so that key and
+    path are looked up.
+    """
+    v, r, step = faces.voxel[block], faces.direction[block], strides(faces.shape)
+    p = v + take(step[JUNCTURES[:, k]], r)
+    q = p + take(step, r)
+    concave, flat = take(active, q), take(active, p)
     # Settle the points of ambiguity: the voxels v and q touch in an edge alone.
-    poa = np.flatnonzero(concave & ~flat)
-    concave[poa] = decide(v[poa], q[poa], w[poa], p[poa])
-    flat &= ~concave
-    voxel = np.where(concave, q, np.where(flat, p, v))
-    direction = np.where(concave, d ^ 1, np.where(flat, r, d))
-    juncture = np.where(concave, r ^ 1, np.where(flat, d ^ 1, r))
-    return faces.find(voxel, direction), juncture
+    poa = (concave & ~flat).nonzero()[0]
+    if len(poa):
+        w = v[poa] + step[r[poa]]
+        concave[poa] = decide(v[poa], q[poa], w, p[poa])
+    case = r + 6 * (flat & ~concave) + 12 * concave
+    keys, paths = _onward(k, step)
+    return 3 * v + take(keys, case), take(paths, case)
+
+
+def _onward(k: int, step: Integers) -> tuple[Integers, Integers]:
+    """(18,) from 3 * v to the key of the face met at juncture k, and the path followed there.
+
+    By the range direction, first where the corner is convex, then in plane, then concave.
+    """
+    r, d = np.arange(6), JUNCTURES[:, k]
+    voxel = np.concatenate([0 * d, step[d], step[r] + step[d]])
+    direction = np.concatenate([d, r, d ^ 1])
+    juncture = np.concatenate([r, d ^ 1, r ^ 1])
+    lower = voxel + np.minimum(step, 0)[direction]
+    # Go on along the path that begins at the juncture.
+    return 3 * lower + direction // 2, (RANK[direction, juncture] - 1) % 4
 
 
 def _decider(mode: Mode, values: Array, alpha: float) -> Decide:
@@ -243,14 +282,14 @@ def cycles_of(successor: Integers) -> Cycles:
     {1: [[1]], 2: [[3, 5]], 3: [[0, 2, 4]]}
     """
     start = np.arange(len(successor))
-    here, length, cycles = start, 0, {}
+    here, length, cycles = successor, 1, {}
     while len(start):
-        here, length = successor[here], length + 1
-        closed = start[here == start]
+        closed = take(start, (here == start).nonzero()[0])
         if len(closed):
             cycles[length] = _rows(successor, closed, length)
-        going = np.flatnonzero(here > start)
-        start, here = start[going], here[going]
+        going = (here > start).nonzero()[0]
+        start, here = take(start, going), take(successor, take(here, going))
+        length += 1
     return cycles
 
 
@@ -258,7 +297,7 @@ def _rows(successor: Integers, start: Integers, length: int) -> Integers:
     """(n, length) the members of each cycle, in order."""
     columns = [start]
     while len(columns) < length:
-        columns.append(successor[columns[-1]])
+        columns.append(take(successor, columns[-1]))
     return np.stack(columns, axis=1)
 
 
@@ -267,28 +306,36 @@ def _points(faces: Faces, field: Field, alpha: float, displaced: bool) -> Floats
     t = np.full(len(faces.keys), 0.5)
     if displaced:
         # Take the samples on both sides of each face that has them.
-        inner = np.flatnonzero(~faces.outer)
+        inner = (~faces.outer).nonzero()[0]
         samples = np.ascontiguousarray(field.values).reshape(-1)
         steps = strides(field.shape)
-        low = sum(
-            (faces.lower[axis][inner] * steps[2 * axis] for axis in range(3)),
-            np.zeros(len(inner), np.int64),
-        )
-        high = low + steps[faces.direction[inner] & 6]
-        ends = (samples[place].astype(np.float64) - alpha for place in (low, high))
+        i, j, k = faces.lower
+        low = take(i * steps[0] + j * steps[2] + k, inner)
+        high = low + take(steps, take(faces.direction, inner) & 6)
+        ends = (take(samples, place).astype(np.float64) - alpha for place in (low, high))
         t[inner] = crossing_parameter(*ends)
     place = np.empty((len(faces.keys), 3))
     for axis in range(3):
-        place[:, axis] = faces.lower[axis] + faces.along[axis] * t
-    return field.position(place)
+        index = faces.lower[axis] + faces.along[axis] * t
+        place[:, axis] = index * field.spacing[axis] + field.origin[axis]
+    return place
 
 
 def _without(surface: Surface, outer: Booleans) -> Surface:
     """The surface without the cycles that visit a point marked `outer`."""
-    number = np.cumsum(~outer) - 1
-    kept = {n: number[rows[~outer[rows].any(axis=1)]] for n, rows in surface.cycles.items()}
-    cycles = {n: rows for n, rows in kept.items() if len(rows)}
-    return Surface(surface.points[~outer], surface.centres[~outer], cycles)
+    if not outer.any():
+        return surface
+    left = (~outer).nonzero()[0]
+    number, cycles = np.cumsum(~outer) - 1, {}
+    for length, rows in surface.cycles.items():
+        reaches = np.zeros(len(rows), np.bool_)
+        for points in rows.T:
+            reaches |= take(outer, points)
+        kept = rows.take((~reaches).nonzero()[0], axis=0)
+        if len(kept):
+            cycles[length] = take(number, kept)
+    points, centres = surface.points.take(left, axis=0), surface.centres.take(left, axis=0)
+    return Surface(points, centres, cycles)
 
 
 def fan_start(centres: Integers) -> Integers:
@@ -296,24 +343,49 @@ def fan_start(centres: Integers) -> Integers:
 
     See `isoref.vesta.fan_start`; raises ValueError where no point of a cycle will do.
     """
-    n, N = centres.shape[:2]
+    return _fan_start(np.moveaxis(_code(centres), 0, -1))
+
+
+def _code(centres: Integers) -> Integers:
+    """A number for each of (.., 3) doubled centres that tells those of a cycle from each other.
+
+    They differ by at most two along each axis, so the difference of two numbers tells how.
+    """
+    return np.asarray(centres[..., 0] + 5 * centres[..., 1] + 25 * centres[..., 2])
+
+
+#: (125,) whether the chord between two centres is short, by the difference of their numbers + 62.
+SHORT = ((np.indices((5, 5, 5)).T.reshape(-1, 3) - 2) ** 2).sum(axis=1) <= 4
+
+
+def _fan_start(codes: Integers) -> Integers:
+    """(n,) as `fan_start`, for the numbers (N, n) of the centres."""
+    N, n = codes.shape
     start, undecided = np.zeros(n, np.int64), np.arange(n)
     for first in range(N):
-        corners = np.roll(centres[undecided], -first, axis=1)
-        chords = corners[:, 2 : N - 1] - corners[:, :1]
-        short = ((chords**2).sum(axis=2) <= 4).any(axis=1)
+        short = np.zeros(len(undecided), np.bool_)
+        for other in range(2, N - 1):
+            chord = codes[(first + other) % N] - codes[first]
+            chord += 62
+            short |= take(SHORT, chord)
         start[undecided[~short]] = first
-        undecided = undecided[short]
-    if len(undecided):
-        raise ValueError(f"a cycle of {N} points has no fan without a short chord")
-    return start
+        left = short.nonzero()[0]
+        undecided, codes = take(undecided, left), codes.take(left, axis=1)
+        if not len(left):
+            return start
+    raise ValueError(f"a cycle of {N} points has no fan without a short chord")
 
 
 def _fan(rows: Integers, start: Integers) -> Integers:
     """The triangles (c0, ci, ci+1) of each cycle, turned to begin at `start`."""
-    N = rows.shape[1]
-    turned = np.take_along_axis(rows, (start[:, None] + np.arange(N)) % N, axis=1)
-    fan = np.stack([turned[:, [0, i, i + 1]] for i in range(1, N - 1)], axis=1)
+    n, N = rows.shape
+    turned, late = rows.copy(), start.nonzero()[0]
+    places = (take(start, late)[:, None] + np.arange(N)) % N
+    turned[late] = np.take_along_axis(rows[late], places, axis=1)
+    fan = np.empty((n, N - 2, 3), np.int64)
+    for i in range(N - 2):
+        for corner, point in enumerate((0, i + 1, i + 2)):
+            fan[:, i, corner] = turned[:, point]
     return fan.reshape(-1, 3)
 
 
