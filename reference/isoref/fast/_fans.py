@@ -54,27 +54,28 @@ def fans(triangles: tuple[Triangle, ...]) -> list[Fan]:
     """
     left, found = list(triangles), list[Fan]()
     while left:
-        corner, fan = max(
-            ((corner, _fan(left, first, corner)) for first in left for corner in (2, 0, 1)),
-            key=lambda one: len(one[1]),
-        )
-        ring = [triangle[(corner + 1) % 3] for triangle in fan]
-        found.append((len(fan), corner, [fan[0][corner], *ring, fan[-1][(corner + 2) % 3]]))
+        corner, fan = _longest(left)
+        ring = [triangle[corner - 2] for triangle in fan]
+        found.append((len(fan), corner, [fan[0][corner], *ring, fan[-1][corner - 1]]))
         left = [triangle for triangle in left if triangle not in fan]
     return found
 
 
-def _fan(triangles: list[Triangle], first: Triangle, corner: int) -> list[Triangle]:
-    """The triangles that follow each other round the hub of the first one."""
-    fan = [first]
-    while len(fan) < LONGEST:
-        hub, end = fan[-1][corner], fan[-1][(corner + 2) % 3]
-        onward = (t for t in triangles if t[corner] == hub and t[(corner + 1) % 3] == end)
-        following = next(onward, None)
-        if following is None or following in fan:
-            break
-        fan.append(following)
-    return fan
+def _longest(triangles: list[Triangle]) -> tuple[int, list[Triangle]]:
+    """The longest fan among some triangles, and the corner that is its hub."""
+    longest: tuple[int, list[Triangle]] = (2, [])
+    for corner in (2, 0, 1):
+        onward = {(t[corner], t[corner - 2]): t for t in triangles}
+        for first in triangles:
+            fan, following = [first], onward.get((first[corner], first[corner - 1]))
+            while following is not None and following not in fan and len(fan) < LONGEST:
+                fan.append(following)
+                following = onward.get((following[corner], following[corner - 1]))
+            if len(fan) > len(longest[1]):
+                longest = corner, fan
+            if len(fan) == len(triangles):
+                return longest
+    return longest
 
 
 #: So many fans of a kind are drawn at once, so that their nodes fit the first cache.
