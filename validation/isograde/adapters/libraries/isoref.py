@@ -1,5 +1,7 @@
 """isoref: every method of the reference."""
 
+import numpy as np
+
 
 def surface(values, isovalue, spacing, method):
     """The surface by the method of this name in the catalogue."""
@@ -36,7 +38,6 @@ def marching_faces(a, b, isovalue_a, isovalue_b, spacing):
 
 def directed_curves(a, b, isovalue_a, isovalue_b, spacing):
     """The same curves with a vector at each vertex, its tangent times the confidence in it."""
-    import numpy as np
     from isoref.curves import moved_on
     from isoref.fast.marching_faces import Pair, join
     from isoref.fast.marching_faces import marching_faces as points_of
