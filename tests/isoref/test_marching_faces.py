@@ -30,6 +30,15 @@ def test_a_face_is_in_the_face_table_where_its_corners_differ() -> None:
             assert (FACE_TABLE[b] >> f & 1) == (face.min() != face.max())
 
 
+def test_a_face_has_six_configurations_up_to_rotation() -> None:
+    """Fig. 3: by rotation all 16 combinations can be obtained."""
+    turned = {
+        min(tuple((c >> (k + turn) % 4) & 1 for k in range(4)) for turn in range(4))
+        for c in range(16)
+    }
+    assert len(turned) == 6
+
+
 def test_face_check_visits_every_face_once() -> None:
     """FACECHECK: faces 1, 3 and 5 only where there is no next voxel."""
     cells = (2, 3, 1)

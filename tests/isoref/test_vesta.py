@@ -5,7 +5,9 @@ from typing import get_args
 import numpy as np
 import pytest
 import trimesh
-from isoref.diconex import Mode
+from isoref.cube import FACE_CORNERS, is_ambiguous
+from isoref.diconex import Mode, diconex
+from isoref.field import Floats
 from isoref.mesh import Mesh
 from isoref.vesta import (
     DIRECTIONS,
@@ -108,3 +110,37 @@ def test_no_surface_where_nothing_is_active() -> None:
     """An empty mesh of the right shapes."""
     mesh = vesta(np.zeros((3, 2, 3)), 1, border="closed")
     assert mesh.vertices.shape == mesh.simplices.shape == (0, 3)
+
+
+def pairs(points: Floats) -> set[tuple[tuple[float, ...], ...]]:
+    """Undirected edges of a closed polygon by their ends, rounded."""
+    rounded = [tuple(row) for row in (points.round(9) + 0.0).tolist()]
+    return {tuple(sorted(edge)) for edge in zip(rounded, rounded[1:] + rounded[:1], strict=True)}
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_principal_plane_cuts_the_surface_in_contours_of_diconex(mode: Mode) -> None:
+    """II.C, and III.C of Figs. 31 and 32c: all contours together are all edges of the cycles."""
+    values = np.random.default_rng(4).integers(0, 9, (5, 4, 6)).astype(float)
+    surface = extract(values, 4.5, mode=mode, border="closed")
+    of_cycles = [pairs(surface.points[row]) for rows in surface.cycles.values() for row in rows]
+    edges = set().union(*of_cycles)
+    contours = set()
+    for axis in range(3):
+        for k, plane in enumerate(np.moveaxis(values, axis, 0)):
+            for polygon in diconex(plane, 4.5, mode=mode, border="closed").polygons():
+                contours |= pairs(np.insert(polygon[:-1], axis, k, axis=1))
+    assert len(edges) > 200
+    assert contours == edges
+
+
+def test_a_face_of_a_cell_holds_none_two_or_four_voxel_face_vectors() -> None:
+    """II.F: one for each of its four edges that the surface crosses, over all 256 cells."""
+    seen = set()
+    for signs in range(256):
+        for face in FACE_CORNERS:
+            high = [signs >> c & 1 for c in face]
+            crossed = sum(high[k] != high[(k + 1) % 4] for k in range(4))
+            seen.add(crossed)
+            assert (crossed == 4) == is_ambiguous(signs, FACE_CORNERS.index(face))
+    assert seen == {0, 2, 4}
