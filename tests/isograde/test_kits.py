@@ -274,6 +274,33 @@ def test_it_refuses_what_is_no_field_and_goes_on(project: Path) -> None:
     assert last.status is Status.OK
 
 
+# What each kit's extractor says of its isovalue, in place of a sentence.
+SAYS = {
+    "c": 'isovalue == INFINITY ? "inf" : isovalue == -INFINITY ? "-inf" : "nan"',
+    "cpp": "std::to_string(isovalue)",
+    "java": 'String.valueOf(isovalue).replace("Infinity", "inf")',
+    "javascript": 'String(isovalue).replace("Infinity", "inf")',
+    "rust": "isovalue.to_string()",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAYS)
+def test_an_isovalue_that_is_not_finite_comes_as_it_was_asked(name: str, tmp_path: Path) -> None:
+    """The protocol has texts for these; an extractor that gets another one is judged for it."""
+    if missing := [tool for tool in KITS[name].tools if shutil.which(tool) is None]:
+        pytest.skip(f"no {', '.join(missing)} here")
+    sentence = '"a sample minus the isovalue is no finite number"'
+    told = (sentence, SAYS[name])
+    copy = changed(name, tmp_path / name, KITS[name].extracts, told)
+    values, _ = noise("f8")
+    levels = float("inf"), -float("inf"), float("nan")
+    outcomes = asked(copy, [(values, level) for level in levels])
+    said = [one.detail.lower() for one in outcomes]
+    assert "-inf" not in said[0]
+    assert ["inf" in said[0], "-inf" in said[1], "nan" in said[2]] == [True] * 3, said
+
+
 @pytest.mark.slow
 def test_it_reads_both_orders_of_bytes(project: Path, tmp_path: Path) -> None:
     """The protocol's types begin with < or |; a program that is sent > is right too."""

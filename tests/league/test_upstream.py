@@ -17,6 +17,7 @@ MODULES = {
     "jaxmesh": "jaxmesh",
     "manifold3d": "manifold3d",
     "pymcubes": "mcubes",
+    "pysplashsurf": "pysplashsurf",
     "scikit-image": "skimage",
     "vtk": "vtkmodules",
     "yt": "yt",
@@ -48,6 +49,9 @@ def command(name: str, folder: Path) -> list[str]:
         (folder / "node_modules").symlink_to(built)
     file.write_text(lines, encoding="utf-8")
     if language == "python":
+        own = ROOT / ".league" / library.replace("-", "_") / "env" / "bin" / "python"
+        if own.exists():
+            return [str(own), str(file)]
         if not installed(MODULES[library]):
             pytest.skip(f"no {library} here")
         return [sys.executable, str(file)]

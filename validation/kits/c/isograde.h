@@ -70,11 +70,12 @@ static inline const char *isograde_after(const char *line, const char *key) {
     const char *at = strstr(line, key);
     return at ? at + strlen(key) : "";
 }
-/* How long a list of numbers is; the first three of them, NaN where JSON has no number. */
+/* How long a list is; the first three numbers of it, texts such as "Infinity" among them. */
 static inline int isograde_list(const char *at, double numbers[3]) {
     int count = 0;
     for (; *at && *at != ']'; at += strcspn(at, ",]"), at += *at == ',', count++)
-        if (count < 3 && sscanf(at, " %lf", numbers + count) != 1) numbers[count] = NAN;
+        if (count < 3 && sscanf(at + strspn(at, " \""), "%lf", numbers + count) != 1)
+            numbers[count] = NAN;
     return count;
 }
 

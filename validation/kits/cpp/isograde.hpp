@@ -49,7 +49,7 @@ inline std::string said(const std::string &line, const std::string &key) {
     return line.substr(start, line.find_first_of(end, start) - start);
 }
 
-/* The numbers of a list, NaN where JSON has none. */
+/* The numbers of a list, texts such as "Infinity" among them. */
 template <std::size_t count>
 std::array<double, count> list(const std::string &line, const std::string &key) {
     const auto text = said(line, key);
@@ -59,6 +59,7 @@ std::array<double, count> list(const std::string &line, const std::string &key) 
     const char *at = text.c_str();
     for (auto &one : numbers) {
         char *end;
+        at += std::strspn(at, " \"");
         one = std::strtod(at, &end), one = end == at ? NAN : one;
         at += std::strcspn(at, ",") + 1;
     }

@@ -91,7 +91,7 @@ function answer(asked, extract) {
   try {
     if (shape.length !== 3 || isovalues.length !== 1)
       throw new Error("it takes one field with three axes");
-    const isovalue = typeof isovalues[0] === "number" ? isovalues[0] : NaN;
+    const isovalue = Number(isovalues[0]); // "Infinity" and "NaN" are texts.
     const { vertices, triangles } = extract(samples(asked), shape, isovalue, spacing);
     return { id, vertices, simplices: triangles };
   } catch (error) {

@@ -80,7 +80,8 @@ fn said<'a>(line: &'a str, key: &str) -> &'a str {
 
 /// So many numbers of a list, NaN where JSON has none.
 fn list<const N: usize>(line: &str, key: &str) -> Result<[f64; N], String> {
-    let numbers = said(line, key).split(',').map(|one| one.trim().parse().unwrap_or(f64::NAN));
+    let parts = said(line, key).split(',').map(|one| one.trim_matches([' ', '"']));
+    let numbers = parts.map(|one| one.parse().unwrap_or(f64::NAN));
     let found = numbers.collect::<Vec<f64>>().try_into();
     found.map_err(|_| String::from("it takes one field with three axes"))
 }
