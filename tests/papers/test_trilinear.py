@@ -143,6 +143,17 @@ def test_two_tunnels_of_10_1_2_share_a_face_and_an_edge(module: Callable[[str], 
             adapter.close()
 
 
+def test_lines_on_a_face_jump_at_its_saddle_unless_they_have_a_vertex_there(
+    module: Callable[[str], Any],
+) -> None:
+    """Straight ones move by the same however small the step; bent ones by the root of it."""
+    off, straight, bent = module("continuity").face_jumps(20)
+    assert (np.median(straight, axis=1) > 0.3).all()
+    assert off.min() > 0.2
+    moves = np.median(bent, axis=1)
+    np.testing.assert_allclose(moves[:-1] / moves[1:], 10, rtol=0.05)
+
+
 def test_stacked_cells_stand_where_they_are_looked_for(module: Callable[[str], Any]) -> None:
     """Each posed cell is read back from the field it stands in."""
     posing = module("posing")
