@@ -11,13 +11,14 @@ import trimesh
 from isograde.cases import accuracy as fields
 from isograde.claims import accuracy
 from isograde.declaration import Declaration, declaration_from
-from isograde.model import SURFACES, Case, Outcome, Status, Trial, Verdict
+from isograde.model import SURFACES, Case, Finding, Outcome, Status, Trial, Verdict
 from isograde.oracles.complexes import Complex
 from isograde.oracles.convergence import normal_error, observed_order, total_mean_curvature
-from isograde.oracles.shapes import shapes, smallest_angles
+from isograde.oracles.shapes import OF_PLANES, shapes, smallest_angles
 from isograde.oracles.trilinear_distance import distance, value_and_gradient
 from isoref.fast import simplicial
 from isoref.field import Field, Floats
+from isoref.mesh import Mesh
 from isoref.methods import METHODS
 from scipy import ndimage, stats
 
@@ -27,7 +28,8 @@ from tests.isograde.judging import verdicts as judged
 CASES = {case.id: case for case in fields.cases()}
 QUICK = [name for name, case in CASES.items() if "full" not in case.tags]
 RETURNED = "accuracy.normals_returned"
-CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS if claim.id != RETURNED}
+SHAPES = "accuracy.shapes"
+CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS if claim.id not in (RETURNED, SHAPES)}
 CUBES = Declaration("here", level=4)
 KUHN = Declaration("here", interpolant="tetrahedra")
 
@@ -255,6 +257,7 @@ def test_shapes_are_those_of_trimesh() -> None:
     thin = np.array([[0, 0, 0], [1, 0, 0], [1, 0.01, 0]])
     both = Complex.of(np.concatenate([thin, np.eye(3)]), np.arange(6).reshape(2, 3))
     assert shapes(both).thin == 0.5
+    assert shapes(both).least < 1
 
 
 def with_normals(turned: Callable[[Floats], Floats]) -> Verdict:
@@ -280,3 +283,69 @@ def test_normals_that_come_with_the_vertices_are_judged() -> None:
     assert with_normals(lambda n: n * np.nan) is Verdict.FAIL
     assert CLAIMS
     assert trial(CASES["accuracy/sphere"]).plain.normals is None
+
+
+def planes(count: int, seed: int = 0) -> Floats:
+    """The smallest angles of triangles of planes at random that are cut by a cube, as fans."""
+    random, angles = np.random.default_rng(seed), list[float]()
+    corners = np.indices((2, 2, 2)).reshape(3, -1).T.astype(float)
+    edges = [(a, b) for a in range(8) for b in range(a) if bin(a ^ b).count("1") == 1]
+    while len(angles) < count:
+        normal = random.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        v = corners @ normal - random.uniform(-1.8, 1.8)
+        crossed = [(a, b) for a, b in edges if (v[a] > 0) != (v[b] > 0)]
+        if len(crossed) < 3:
+            continue
+        cut = [corners[a] + v[a] / (v[a] - v[b]) * (corners[b] - corners[a]) for a, b in crossed]
+        spokes = np.array(cut) - np.mean(cut, axis=0)
+        across = np.cross(normal, spokes[0])
+        order = np.argsort(np.arctan2(spokes @ across, spokes @ spokes[0]))
+        polygon = np.roll(np.array(cut)[order], random.integers(len(cut)), axis=0)
+        rows = np.array([[0, i, i + 1] for i in range(1, len(cut) - 1)])
+        angles += smallest_angles(Complex.of(polygon, rows)).tolist()
+    return np.array(angles)
+
+
+def test_a_fifteenth_of_the_triangles_of_planes_cut_by_cubes_is_thin() -> None:
+    """What `accuracy.shapes` allows is what linear crossings cost, to within three deviations."""
+    found = planes(3000)
+    deviation = np.sqrt(OF_PLANES * (1 - OF_PLANES) / len(found))
+    assert abs((found < 5).mean() - OF_PLANES) < 3 * deviation
+
+
+def quality(method: str, change: Callable[[Mesh], Mesh] = lambda mesh: mesh) -> Finding:
+    """What "accuracy.shapes" says of a method's mesh, changed."""
+    case = CASES["accuracy/quality"]
+    field = case.build()
+    mesh = change(METHODS[method](field, 0.0))
+    outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+    claim = next(claim for claim in accuracy.CLAIMS if claim.id == SHAPES)
+    return claim.judge(Trial(case, field, Declaration("here"), {"plain": outcome}))
+
+
+def with_needles(mesh: Mesh) -> Mesh:
+    """Every sixth triangle is cut along its first side, a hundredth from the end."""
+    one = mesh.simplices[::6]
+    a, b, c = one.T
+    new = 0.99 * mesh.vertices[a] + 0.01 * mesh.vertices[b]
+    at = len(mesh.vertices) + np.arange(len(one))
+    rest = np.delete(mesh.simplices, np.arange(0, len(mesh.simplices), 6), axis=0)
+    rows = [rest, np.stack([a, at, c], axis=1), np.stack([at, b, c], axis=1)]
+    return Mesh.of(np.concatenate([mesh.vertices, new]), np.concatenate(rows))
+
+
+@pytest.mark.parametrize("method", ["asymptotic-decider", "surface-nets", "simplicial"])
+def test_shapes_of_cubes_nets_and_splits_are_measured_and_pass(method: str) -> None:
+    """Nothing that interpolates along edges is worse than planes are."""
+    found = quality(method)
+    assert found.verdict is Verdict.PASS
+    assert 0 <= found.numbers["least_angle"] < found.numbers["median_smallest_angle"] < 60
+    assert found.numbers["median_aspect"] > 1.15
+
+
+def test_needles_are_caught() -> None:
+    """Of "accuracy.shapes": a surface in place, its triangles cut into needles."""
+    found = quality("asymptotic-decider", with_needles)
+    assert found.verdict is Verdict.FAIL
+    assert "angle below 5 degrees" in found.detail

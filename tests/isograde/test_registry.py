@@ -45,6 +45,7 @@ BY_TEST = {
     "accuracy.normals_returned": "test_accuracy",
     "symmetry.normals_returned": "test_symmetry",
     "accuracy.continuity": "test_passing",
+    "accuracy.shapes": "test_accuracy",
     "range.digits": "test_ranges",
     "range.extremes": "test_ranges",
     "robustness.elsewhere": "test_robustness",

@@ -66,7 +66,7 @@ FAMILIES: dict[str, ModuleType] = {
 }
 
 
-FULL = frozenset({"passing", "directed"})
+FULL = frozenset({"passing", "directed", "quality"})
 """Tags of cases that run in full runs alone, every one of them."""
 
 

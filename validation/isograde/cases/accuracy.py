@@ -163,7 +163,7 @@ def field(name: str) -> Field:
 def cases(seed: int = 0) -> list[Case]:
     """The rows "accuracy/sphere", "accuracy/torus", "accuracy/2-1" ..; the seed does not matter."""
     del seed
-    return [
+    rows = [
         Case(
             f"accuracy/{name}",
             partial(field, name),
@@ -175,3 +175,12 @@ def cases(seed: int = 0) -> list[Case]:
         )
         for name, said in ROWS.items()
     ]
+    return [*rows, _quality("sphere")]
+
+
+def _quality(name: str) -> Case:
+    """The bodies of a row for who asks what shapes its triangles have; in full runs alone."""
+    tags, only = frozenset({"quality", "full"}), ("accuracy.shapes", "structure.*")
+    facts, samples = {"components": len(ROWS[name].scales)}, int(np.prod(row(name)[1]))
+    build, kind = partial(field, name), ROWS[name].kind
+    return Case("accuracy/quality", build, (0.0,), samples, tags, facts, kind, only)

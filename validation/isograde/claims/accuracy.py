@@ -35,7 +35,7 @@ from isograde.declaration import Declaration
 from isograde.model import SURFACES, Claim, Finding, Kind, Trial, every_family, every_kind
 from isograde.oracles.complexes import Complex
 from isograde.oracles.convergence import normal_error, observed_order, total_mean_curvature
-from isograde.oracles.shapes import shapes
+from isograde.oracles.shapes import OF_PLANES, THIN, shapes
 from isograde.oracles.trilinear_distance import distance
 
 SLACK = 0.15
@@ -196,6 +196,30 @@ def thinness(mesh: Complex) -> dict[str, float]:
     }
 
 
+def well_shaped(trial: Trial) -> Finding:
+    """Pass when no more triangles are thin than of planes cut by cubes, and three deviations."""
+    mesh = complex_of(trial).welded()
+    if not len(mesh.simplices):
+        return skipped("there are no triangles")
+    found, count = shapes(mesh), len(mesh.simplices)
+    most = OF_PLANES + 3 * float(np.sqrt(OF_PLANES * (1 - OF_PLANES) / count))
+    numbers = {
+        "triangles": count,
+        "least_angle": round(found.least, 2),
+        "median_smallest_angle": round(found.median, 1),
+        "median_aspect": round(found.aspect, 2),
+        "thin_triangles": round(found.thin, 4),
+        "allowed": round(most, 4),
+    }
+    if found.thin <= most:
+        return passed(**numbers)
+    return failed(
+        f"{found.thin:.1%} of {count:,} triangles have an angle below {THIN:g} degrees, where "
+        f"planes cut by cubes have {OF_PLANES:.1%}",
+        **numbers,
+    )
+
+
 def sees_values(declared: Declaration) -> bool:
     """It interpolates."""
     return declared.interpolant != "labels"
@@ -304,6 +328,19 @@ CLAIMS = (
         on_mesh(returned),
         kinds=is_surface,
         tags=frozenset({"accuracy"}),
+        promised=False,
+    ),
+    Claim(
+        "accuracy.shapes",
+        f"No more triangles of round bodies have an angle below {THIN:g} degrees than where planes "
+        f"are cut by cubes, {OF_PLANES:.1%}; least angle and aspect are measured. In full runs "
+        "alone.",
+        "Shewchuk 2002: small angles spoil matrices and normals; the bound is that of linear "
+        "crossings on cubes",
+        None,
+        on_mesh(well_shaped),
+        kinds=is_surface,
+        tags=frozenset({"quality"}),
         promised=False,
     ),
 )

@@ -261,6 +261,7 @@ LONG = frozenset(
         "accuracy.normals_returned",
         "accuracy.continuity",
         "curves.confidence",
+        "accuracy.shapes",
         "symmetry.normals_returned",
         "robustness.elsewhere",
         "topology.tie_side",
