@@ -20,6 +20,6 @@ them, with the same names and the same answers, and `extract` uses these. Read i
 
 from isoref.field import Field, FieldError
 from isoref.mesh import Mesh
-from isoref.methods import METHODS, extract
+from isoref.methods import METHODS, extract, extract_frames
 
-__all__ = ["METHODS", "Field", "FieldError", "Mesh", "extract"]
+__all__ = ["METHODS", "Field", "FieldError", "Mesh", "extract", "extract_frames"]

@@ -6,7 +6,7 @@ of triangles. `extract` is the same for whoever has an array and a name.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol, overload
@@ -31,7 +31,7 @@ from isoref.fast import dual
 from isoref.fast import marching_tetrahedra as tetrahedra
 from isoref.fast.sweep import sweep
 from isoref.fast.vesta import vesta
-from isoref.field import Booleans, Field, check_isovalue
+from isoref.field import Array, Booleans, Field, FieldError, check_isovalue
 from isoref.marching_tetrahedra import Split
 from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
@@ -232,3 +232,58 @@ dimension 2)]
     if isinstance(isovalue, Sequence | np.ndarray) and np.ndim(isovalue) > 0:
         return [at(level) for level in isovalue]
     return at(isovalue)
+
+
+def extract_frames(
+    values: ArrayLike,
+    isovalue: float | Sequence[float],
+    spacing: float | Sequence[float] | None = None,
+    origin: Sequence[float] | None = None,
+    method: str = "asymptotic-decider",
+    precision: Precision = "double",
+    *,
+    directions: ArrayLike | None = None,
+    cap: bool = False,
+    absent: bool = False,
+    nearness: float = 0,
+    provenance: bool = False,
+) -> Iterator[Mesh | list[Mesh]]:
+    """The isosurfaces of a time series, one after the other: what `extract` gives of each frame.
+
+    A frame is read when its mesh is asked for, so a series in a file (`numpy.memmap`) may be larger
+    than the memory, and no mesh is kept.
+
+    Parameters
+    ----------
+    values : (T, N1, N2, N3), T frames on one lattice
+    spacing, origin, directions : of the lattice in space; time has none
+    isovalue, and all others : as of `extract`
+
+    Raises
+    ------
+    ValueError, FieldError
+        as `extract`; of samples when their frame is asked for, with its number.
+
+    >>> ball = 9 - ((np.indices((9, 9, 9)) - 4.0) ** 2).sum(axis=0)
+    >>> [len(mesh.simplices) for mesh in extract_frames(np.stack([ball, ball + 5, -ball]), 0.0)]
+    [344, 536, 296]
+    """
+    if not isinstance(values, np.ndarray):
+        values = np.asarray(values)
+    if values.ndim != 4:
+        raise FieldError(
+            f"an array of shape {values.shape} is no time series, which has four axes, time first"
+        )
+    if method not in METHODS:
+        raise ValueError(f"no method {method!r}; there are {', '.join(sorted(METHODS))}")
+    options: dict[str, Any] = {"directions": directions, "cap": cap, "absent": absent}
+    options |= {"nearness": nearness, "provenance": provenance}
+
+    def meshes(frames: Array) -> Iterator[Mesh | list[Mesh]]:
+        for number, frame in enumerate(frames):
+            try:
+                yield extract(frame, isovalue, spacing, origin, method, precision, **options)
+            except FieldError as error:
+                raise FieldError(f"frame {number}: {error}") from error
+
+    return meshes(values)

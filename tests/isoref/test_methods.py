@@ -20,7 +20,7 @@ from isoref import (
 from isoref import dual as plain_dual
 from isoref import sweep as plain_sweep
 from isoref.fast import vesta as fast_vesta
-from isoref.methods import RULES
+from isoref.methods import RULES, extract_frames
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -199,3 +199,34 @@ def test_an_isovalue_may_be_an_array_of_no_axes() -> None:
     for wrong in (None, "high", [[0.5]]):
         with pytest.raises(FieldError, match="is not a number"):
             extract(values, wrong)
+
+
+def test_frames_of_a_time_series_are_extracted_one_by_one() -> None:
+    """Each is the surface of its frame alone, for one isovalue and for several, and its options."""
+    series = np.random.default_rng(12).normal(size=(3, 4, 5, 6))
+    place: dict[str, Any] = {"spacing": (1, 2, 0.5), "origin": (3, 0, -1), "cap": True}
+    isovalue: Any
+    for isovalue in (0.1, [0.1, 0.7]):
+        found = list(extract_frames(series, isovalue, method="trilinear-cubes", **place))
+        assert len(found) == 3
+        for frame, meshes in zip(series, found, strict=True):
+            right = extract(frame, isovalue, method="trilinear-cubes", **place)
+            several = (meshes, right) if isinstance(meshes, list) else ([meshes], [right])
+            assert isinstance(meshes, list) == isinstance(isovalue, list)
+            for one, other in zip(*several, strict=True):
+                assert np.array_equal(one.vertices, other.vertices)
+                assert np.array_equal(one.simplices, other.simplices)
+
+
+def test_a_frame_that_is_no_field_is_told_when_it_is_reached() -> None:
+    """With its number; those before it come, and wrong use is told at once."""
+    series = np.zeros((3, 2, 2, 2))
+    series[2, 1, 0, 1] = np.nan
+    frames = extract_frames(series, 0.5)
+    assert len([next(frames), next(frames)]) == 2
+    with pytest.raises(FieldError, match=r"frame 2: sample \(1, 0, 1\) is nan"):
+        next(frames)
+    with pytest.raises(FieldError, match=r"shape \(2, 2, 2\) is no time series"):
+        extract_frames(series[0], 0.5)
+    with pytest.raises(ValueError, match="no method 'nothing'"):
+        extract_frames(series, 0.5, method="nothing")

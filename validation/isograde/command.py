@@ -537,6 +537,13 @@ def extract(
     spacing: Annotated[
         str | None, typer.Option(metavar="X,Y,Z", help="In place of the file's.")
     ] = None,
+    frames: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHICH",
+            help="Of a time series: all, a number from 0 on, or FIRST:STOP; a numbered file each.",
+        ),
+    ] = None,
     by_planes: Annotated[
         bool,
         typer.Option(
@@ -560,6 +567,7 @@ def extract(
         absent,
         clean,
         space.value if space else None,
+        volumes.frames_named(frames),
     )
     asked = volumes.asked(dataset, shape, dtype, spacing)
     if dask is not None:

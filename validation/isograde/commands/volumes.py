@@ -20,7 +20,7 @@ from rich.markup import escape
 
 from isograde.cases import volumes
 from isograde.commands.console import Exit, close_to, console, say, stop
-from isograde.formats.reading import Asked, Stored, VolumeError, library
+from isograde.formats.reading import Asked, Stored, VolumeError, library, native
 from isograde.formats.writing import MESH_FILES, write, write_pieces
 from isograde.frequencies import frequencies as count
 
@@ -38,6 +38,7 @@ class Wanted:
         for what closes it with `cap`
     clean : remove triangles without area, where that does no harm
     space : RAS, LPS, or None for what the file is in
+    frames : which of several volumes in a row, each with surfaces of its own; None for the first
     """
 
     isovalues: tuple[float, ...]
@@ -47,6 +48,7 @@ class Wanted:
     absent: bool = False
     clean: bool = False
     space: str | None = None
+    frames: slice | None = None
 
     @property
     def drawn_by(self) -> str:
@@ -58,21 +60,66 @@ def extract(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
     """The reference's surfaces of a volume are in mesh files, where the volume stands."""
     _check(wanted, out)
     try:
-        stored = _opened(volume, wanted, replace(asked, absent=wanted.absent))
-        field, gone = present(stored) if wanted.absent else (stored.field, None)
-        if gone is not None:
-            say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
-        for number, posed, level in _posed(field, wanted):
-            name = _named(out, number, wanted)
-            mesh = surface(posed, level, wanted.drawn_by, cap=wanted.cap, absent=gone)
-            if wanted.clean:
-                mesh = _cleaned(mesh)
-            write(mesh, name, stored.space)
-            if not len(mesh.simplices):
-                say(_why_empty(field, number))
-            _tell(len(mesh.vertices), len(mesh.simplices), stored, name)
+        series = wanted.frames is not None
+        stored = _opened(volume, wanted, replace(asked, absent=wanted.absent, series=series))
+        for number, frame in _frames(stored, wanted):
+            name = out if number is None else out.with_stem(f"{out.stem}-{number}")
+            try:
+                _extract(frame, wanted, name)
+            except FieldError as error:
+                told = str(error) if number is None else f"frame {int(number)}: {error}"
+                raise FieldError(told) from error
     except (VolumeError, FieldError, OSError) as error:
         stop(Exit.WRONG_USE, str(error))
+
+
+def _extract(stored: Stored, wanted: Wanted, out: Path) -> None:
+    """The surfaces of one volume are in their files."""
+    field, gone = present(stored) if wanted.absent else (stored.field, None)
+    if gone is not None:
+        say(f"[dim]{int(gone.sum()):,} samples of {gone.size:,} are absent[/]")
+    for number, posed, level in _posed(field, wanted):
+        name = _named(out, number, wanted)
+        mesh = surface(posed, level, wanted.drawn_by, cap=wanted.cap, absent=gone)
+        if wanted.clean:
+            mesh = _cleaned(mesh)
+        write(mesh, name, stored.space)
+        if not len(mesh.simplices):
+            say(_why_empty(field, number))
+        _tell(len(mesh.vertices), len(mesh.simplices), stored, name)
+
+
+def _frames(stored: Stored, wanted: Wanted) -> Iterator[tuple[str | None, Stored]]:
+    """The volumes that are wanted; of a series each with its number, all of as many digits."""
+    if wanted.frames is None:
+        yield None, stored
+        return
+    count = len(stored.values)
+    numbers = range(count)[wanted.frames]
+    if not numbers:
+        raise VolumeError(f"no frame of that number: there are {count}, counted from 0")
+    digits = len(str(count - 1))
+    for number in numbers:
+        yield f"{number:0{digits}}", replace(stored, values=native(stored.values[number]))
+
+
+def frames_named(said: str | None) -> slice | None:
+    """Which frames are meant, as Python counts: all, one, or FIRST:STOP:STEP; else a wrong use.
+
+    >>> frames_named("all"), frames_named("3"), frames_named("2:8:2"), frames_named("-1")
+    (slice(None, None, None), slice(3, 4, None), slice(2, 8, 2), slice(-1, None, None))
+    """
+    if said is None or said == "all":
+        return None if said is None else slice(None)
+    try:
+        parts = [int(part) if part else None for part in said.split(":")]
+    except ValueError:
+        parts = []
+    if len(parts) == 1 and parts[0] is not None:
+        return slice(parts[0], parts[0] + 1 or None)
+    if len(parts) not in (2, 3) or parts[2:] == [0]:
+        stop(Exit.WRONG_USE, f"--frames {said}: say all, a number, or FIRST:STOP:STEP, from 0 on")
+    return slice(*parts)
 
 
 def extract_by_planes(volume: str, wanted: Wanted, out: Path, asked: Asked) -> None:
@@ -144,6 +191,8 @@ def _opened(volume: str, wanted: Wanted, asked: Asked) -> Stored:
 def _check_rule(wanted: Wanted, out: Path, option: str) -> None:
     """A surface in parts can be made of what is asked for, or the command stops."""
     _check(wanted, out)
+    if wanted.frames is not None:
+        stop(Exit.WRONG_USE, f"--frames reads the volumes one by one; leave {option} out")
     if wanted.labels or wanted.cap or wanted.absent or wanted.clean:
         stop(Exit.WRONG_USE, f"{option} takes isovalues, and no --label, --cap, --absent, --clean")
     if wanted.drawn_by not in RULES:

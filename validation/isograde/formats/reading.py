@@ -69,6 +69,7 @@ class Asked:
     spacing : in place of the file's, along x, y, z
     absent : samples that are not finite are let in, for `isoref.attributes.filled`
     stays : the samples stay in the file, to be read by planes (`isoref.fast.slabs`)
+    series : of several volumes in a row all are wanted, as (T, N1, N2, N3)
     """
 
     dataset: str | None = None
@@ -77,13 +78,15 @@ class Asked:
     spacing: tuple[float, float, float] | None = None
     absent: bool = False
     stays: bool = False
+    series: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Stored:
     """A volume as a file has it.
 
-    values : (N1, N2, N3) samples, in the order of the library's axes; or what they are read from
+    values : (N1, N2, N3) samples, in the order of the library's axes; or what they are read from;
+        of a series (T, N1, N2, N3)
     affine : (4, 4) from (index, 1) to (position, 1)
     space : "RAS", "LPS", or "" where the file does not say
     unit : of positions, or "" where the file does not say
@@ -120,7 +123,8 @@ class Stored:
 def read(path: Path, asked: Asked | None = None) -> Stored:
     """The scalar field in a file, or in a folder of DICOM slices or of Zarr, by its ending.
 
-    Of several volumes in a row (time, echoes) the first is taken, and a note says so.
+    Of several volumes in a row (time, echoes) the first is taken, and a note says so; or all are,
+    where a series is asked for, which may be of one.
 
     Raises
     ------
@@ -134,10 +138,10 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
         if told := _unsafe(path):
             raise FieldError(told)
         with within_memory():
-            stored = reader(path, asked)
+            stored = _as_asked(reader(path, asked), asked)
         if asked.spacing is not None:
             stored = replace(stored, affine=_respaced(stored.affine, asked.spacing))
-        if not asked.absent and not asked.stays:
+        if not (asked.absent or asked.stays or asked.series):
             _ = stored.field
     except VolumeError:
         raise
@@ -151,6 +155,18 @@ def read(path: Path, asked: Asked | None = None) -> Stored:
         if other := other_format(path):
             said = f"it begins as {other} does: rename it"
         raise VolumeError(f"{path} cannot be read: {said}{hint}") from error
+    return stored
+
+
+def _as_asked(stored: Stored, asked: Asked) -> Stored:
+    """The volume, or the series; else a FieldError."""
+    shape = stored.values.shape
+    if not asked.series and len(shape) != 3:
+        raise FieldError(f"an array of shape {shape} is no volume, which has three axes")
+    if asked.series and len(shape) == 3:
+        return replace(stored, values=stored.values[None])
+    if asked.series and len(shape) != 4:
+        raise FieldError(f"an array of shape {shape} is no series of volumes, which has four axes")
     return stored
 
 
@@ -259,13 +275,11 @@ def _stored(
     *,
     stays: bool = False,
 ) -> Stored:
-    """The volume of these samples, in this machine's byte order; else a FieldError.
+    """The volume of these samples, in this machine's byte order.
 
     Those that stay in their file are left as they are.
     """
     samples = values if stays else native(values)
-    if samples.ndim != 3:
-        raise FieldError(f"an array of shape {samples.shape} is no volume, which has three axes")
     return Stored(samples, np.asarray(affine, np.float64), space, unit, notes)
 
 
@@ -310,8 +324,14 @@ def _one_of(names: Sequence[str], asked: str | None, what: str, option: str = "-
     return names[0]
 
 
-def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ...]]:
-    """The first entry along these axes, and a note where that leaves something out."""
+def _volumes(values: Any, along: Sequence[int], asked: Asked) -> tuple[Any, tuple[str, ...]]:
+    """The first entry along these axes, and a note where that leaves something out.
+
+    Of a series all entries, one after the other along a first axis.
+    """
+    if asked.series:
+        first = np.moveaxis(np.asarray(values), along, range(len(along)))
+        return first.reshape(-1, *first.shape[len(along) :]), ()
     index: list[Any] = [slice(None)] * values.ndim
     for axis in along:
         index[axis] = 0
@@ -321,9 +341,9 @@ def _first_volume(values: Any, along: Sequence[int]) -> tuple[Any, tuple[str, ..
 
 
 def _volume_of(values: Any, along: Sequence[int], asked: Asked) -> tuple[Any, tuple[str, ...]]:
-    """As `_first_volume`; the whole, unread, where the samples stay in the file."""
+    """As `_volumes`; the whole, unread, where the samples stay in the file."""
     if not asked.stays:
-        return _first_volume(values, along)
+        return _volumes(values, along, asked)
     if len(along):
         raise FieldError(f"an array of shape {values.shape} is read by planes only with three axes")
     return values, ()
@@ -334,7 +354,8 @@ def _volume_of(values: Any, along: Sequence[int], asked: Asked) -> tuple[Any, tu
 
 def _npy(path: Path, asked: Asked) -> Stored:
     """A NumPy array; its axes are x, y, z."""
-    values = np.load(path, mmap_mode="r" if asked.stays else None, allow_pickle=False)
+    apart = asked.stays or asked.series
+    values = np.load(path, mmap_mode="r" if apart else None, allow_pickle=False)
     return _stored(values, np.eye(4), stays=asked.stays)
 
 
@@ -378,7 +399,7 @@ def _raw(path: Path, asked: Asked) -> Stored:
 # --- Scans ---------------------------------------------------------------------------------------
 
 
-def _nifti(path: Path, _: Asked) -> Stored:
+def _nifti(path: Path, asked: Asked) -> Stored:
     """A NIfTI or MGH file, as stored (scaling applied only where the header scales)."""
     nibabel = library("nibabel")
     image: Any = nibabel.load(path)
@@ -386,7 +407,7 @@ def _nifti(path: Path, _: Asked) -> Stored:
     scales = hasattr(data, "get_unscaled")
     scaled = not scales or (data.slope, data.inter) != (1.0, 0.0)
     values = np.asarray(data) if scaled else data.get_unscaled()
-    values, notes = _first_volume(values, range(3, values.ndim))
+    values, notes = _volumes(values, range(3, values.ndim), asked)
     unit = (
         str(image.header.get_xyzt_units()[0]) if hasattr(image.header, "get_xyzt_units") else "mm"
     )
@@ -401,7 +422,7 @@ def _nifti(path: Path, _: Asked) -> Stored:
     return _stored(values, image.affine, "RAS", unit, notes)
 
 
-def _nrrd(path: Path, _: Asked) -> Stored:
+def _nrrd(path: Path, asked: Asked) -> Stored:
     """An NRRD file: a direction for each axis that has one, else spacings."""
     nrrd = library("nrrd")
     header = nrrd.read_header(str(path))
@@ -417,7 +438,7 @@ def _nrrd(path: Path, _: Asked) -> Stored:
             kinds = header.get("kinds") or ["domain"] * values.ndim
             others = [a for a, kind in enumerate(kinds) if kind not in ("domain", "space")]
             others = others or list(range(3, values.ndim))
-            values, notes = _first_volume(values, others)
+            values, notes = _volumes(values, others, asked)
             if spacings is not None:
                 spacings = np.delete(spacings, others)
         return _stored(values, _counting_x_first(spacings, None), notes=notes)
@@ -425,7 +446,7 @@ def _nrrd(path: Path, _: Asked) -> Stored:
     # Axes without a direction count components or volumes.
     vectors = np.array([[np.nan] * 3 if row is None else row for row in rows], np.float64)
     placed = np.isfinite(vectors).all(axis=1)
-    values, notes = _first_volume(values, np.flatnonzero(~placed).tolist())
+    values, notes = _volumes(values, np.flatnonzero(~placed).tolist(), asked)
     affine = np.eye(4)
     affine[:3, :3] = vectors[placed].T
     affine[:3, 3] = header.get("space origin", np.zeros(3))
@@ -443,10 +464,10 @@ def _data_file(path: Path) -> str:
     return next(found[1] for found in names if found is not None)
 
 
-def _itk(path: Path, _: Asked) -> Stored:
+def _itk(path: Path, asked: Asked) -> Stored:
     """What SimpleITK reads from one file."""
     itk = _itk_library()
-    return _from_itk(itk, itk.ReadImage(str(path)))
+    return _from_itk(itk, itk.ReadImage(str(path)), asked)
 
 
 def _itk_library() -> Any:
@@ -456,7 +477,7 @@ def _itk_library() -> Any:
     return itk
 
 
-def _from_itk(itk: Any, image: Any, affine: Floats | None = None) -> Stored:
+def _from_itk(itk: Any, image: Any, asked: Asked, affine: Floats | None = None) -> Stored:
     """An image of SimpleITK; an affine in (x, y, z) where it is known better than by ITK."""
     if image.GetNumberOfComponentsPerPixel() != 1:
         count = image.GetNumberOfComponentsPerPixel()
@@ -464,7 +485,7 @@ def _from_itk(itk: Any, image: Any, affine: Floats | None = None) -> Stored:
     n = image.GetDimension()
     if n < 3:
         raise FieldError(f"an image of {n} dimensions is no volume")
-    values, notes = _first_volume(itk.GetArrayFromImage(image), range(n - 3))
+    values, notes = _volumes(itk.GetArrayFromImage(image), range(n - 3), asked)
     if affine is None:
         affine = np.eye(4)
         directions = np.array(image.GetDirection()).reshape(n, n)[:3, :3]
@@ -490,7 +511,7 @@ def _dicom_series(folder: Path, asked: Asked) -> Stored:
     image = reader.Execute()
     slices = image.GetSize()[2]
     if slices < 2 or not all(reader.HasMetaDataKey(k, "0020|0032") for k in range(slices)):
-        return _from_itk(itk, image)
+        return _from_itk(itk, image, asked)
 
     # Ask that slices stand at equal steps.
     tags = [reader.GetMetaData(k, "0020|0032") for k in range(slices)]
@@ -513,7 +534,7 @@ def _dicom_series(folder: Path, asked: Asked) -> Stored:
     plane = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
     affine[:3, :3] = np.column_stack([plane[:, :2], step])
     affine[:3, 3] = places[0]
-    return _from_itk(itk, image, affine)
+    return _from_itk(itk, image, asked, affine)
 
 
 def _vtk(path: Path, asked: Asked) -> Stored:
@@ -541,7 +562,7 @@ def _vtk(path: Path, asked: Asked) -> Stored:
 # --- Microscopes ---------------------------------------------------------------------------------
 
 
-def _tiff(path: Path, _: Asked) -> Stored:
+def _tiff(path: Path, asked: Asked) -> Stored:
     """A stack of TIFF pages, with the size of a voxel where ImageJ or OME wrote it."""
     tifffile = library("tifffile")
     with tifffile.TiffFile(path) as file:
@@ -550,7 +571,7 @@ def _tiff(path: Path, _: Asked) -> Stored:
         spacing, unit = _size_of_voxel(file)
     if values.ndim > 3:
         others = [a for a, name in enumerate(axes) if name not in "ZYXQI"]
-        values, notes = _first_volume(values, others[: values.ndim - 3])
+        values, notes = _volumes(values, others[: values.ndim - 3], asked)
     else:
         notes = ()
     return _stored(values, _counting_x_last(spacing), "", unit, notes)
