@@ -98,7 +98,7 @@ def test_formats_with_axes_of_time_and_channels_give_all_of_them(tmp_path: Path)
 
 def test_wrong_use_is_told(series: Path, tmp_path: Path) -> None:
     """Status 2, and one sentence; what was written before a bad frame stays."""
-    out = ["--isovalue", "0.3", "-o", tmp_path / "m.ply"]
+    out: list[str | Path] = ["--isovalue", "0.3", "-o", tmp_path / "m.ply"]
     for which in ("first", "1:2:0", "1:2:3:4", "", "1.5"):
         done = run(series, *out, "--frames", which)
         assert (done.exit_code, "say all, a number" in done.output) == (2, True), done.output

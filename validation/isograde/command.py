@@ -169,6 +169,12 @@ def grade(
     shard: Annotated[
         str | None, typer.Option(metavar="I/N", help="The I-th of N parts of the cases.")
     ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Judge by the workers of this scheduler, tcp://host:8786."
+        ),
+    ] = None,
 ) -> None:
     """Grade an implementation and write the report."""
     if everything == (implementation is not None):
@@ -183,7 +189,7 @@ def grade(
     own = tuple(cases or ())
     jobs = jobs or processors()
     part = grading.shard_named(shard)
-    options = Options(seed, full, tuple(only or ()), limits, jobs, own, budget, part)
+    options = Options(seed, full, tuple(only or ()), limits, jobs, own, budget, part, dask)
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:

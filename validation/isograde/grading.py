@@ -21,6 +21,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from isograde import cluster
 from isograde.adapters import open_adapter
 from isograde.adapters.loading import called
 from isograde.bounds import GivenUp, at_most
@@ -262,7 +263,10 @@ class Judging:
         if self.options.budget is not None:
             left = spread(left, lambda case: self.worker.cases[case].samples)
         why = ""
-        results = run(spec, left, self.options, self.worker)
+        if self.options.dask is None:
+            results = run(spec, left, self.options, self.worker)
+        else:
+            results = cluster.run(spec, left, self.options)
         try:
             for judged in results:
                 self._take(judged, tally)

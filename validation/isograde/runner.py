@@ -88,6 +88,7 @@ class Options:
     own : files of cases of the user's own, which are added to the plan
     budget : seconds after which no further case is begun; None for all cases
     shard : (i, n) for the i-th of n parts of the plan, counted from 1
+    dask : the address of a scheduler whose workers judge the cases (`isograde.cluster`)
     """
 
     seed: int = 0
@@ -98,6 +99,7 @@ class Options:
     own: tuple[Path, ...] = ()
     budget: float | None = None
     shard: tuple[int, int] | None = None
+    dask: str | None = None
 
 
 @dataclass(frozen=True)
@@ -395,8 +397,8 @@ def run(
     pool = ProcessPoolExecutor(options.jobs, context, _start, (spec, options))
     try:
         with _without_main():
-            portions = pool.map(_judge_all, _portions(tasks, options))
-        for portion in portions:
+            answers = pool.map(_judge_all, portions(tasks, options))
+        for portion in answers:
             yield from portion
     finally:
         pool.shutdown(cancel_futures=True)
@@ -413,7 +415,7 @@ def _without_main() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
-def _portions(tasks: Sequence[Task], options: Options) -> list[Sequence[Task]]:
+def portions(tasks: Sequence[Task], options: Options) -> list[Sequence[Task]]:
     """The tasks in runs of neighbours, long enough to be worth a message, where there is time."""
     size = max(1, min(16, len(tasks) // (4 * options.jobs)))
     size = size if options.budget is None else 1

@@ -16,6 +16,7 @@ from isograde import report as reports
 from isograde.adapters import ready_made_names
 from isograde.adapters.exchange import TemporaryFull
 from isograde.cases.own import OwnCasesError
+from isograde.cluster import ClusterError
 from isograde.commands.comparing import read_report
 from isograde.commands.console import Exit, console, errors, say, status_of, stop, warn_of_foreign
 from isograde.drafts import Busy, NotResumed, unfinished
@@ -173,7 +174,7 @@ def _faults_told(path: Path) -> Iterator[None]:
         stop(Exit.WRONG_USE, str(error.args[0]))
     except NothingToRun as error:
         stop(Exit.NO_EVIDENCE, str(error.args[0]))
-    except (Busy, NotResumed, TemporaryFull) as error:
+    except (Busy, NotResumed, TemporaryFull, ClusterError) as error:
         stop(Exit.WRONG_USE, str(error))
     except OSError as error:
         why = f"{path} cannot be written: {error.filename}: {error.strerror}"
@@ -206,7 +207,7 @@ def grade_all(
             found_one = _grade(spec, options, path, resume)
         except KeyboardInterrupt:
             stop(Exit.STOPPED, _stopped(path))
-        except (Busy, TemporaryFull) as error:
+        except (Busy, TemporaryFull, ClusterError) as error:
             stop(Exit.WRONG_USE, str(error))
         except NotResumed:
             continue  # It was judged to its end, or not begun.
