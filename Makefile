@@ -30,7 +30,7 @@ help:
 	@echo "make linkcheck   the site's links to other places; says which cannot be reached"
 	@echo "make slides      the films of the course and its slides, in docs/_build/slides"
 	@echo "make explorer    docs/explorer/explorer.html from its sources (needs node)"
-	@echo "make benchmarks  speed and memory beside the peers"
+	@echo "make benchmarks  speed and memory beside the peers, and how quiet the machine was"
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -91,7 +91,7 @@ league: $(STAMP)
 	$(BIN)/python validation/league/league.py
 
 benchmarks: $(STAMP)
-	@for program in benchmarks/bench_*.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+	$(BIN)/python benchmarks/everything.py
 
 # Without a network, but for the packages. A warning stops it, and so does a link that leads nowhere.
 site: $(STAMP)

@@ -89,17 +89,6 @@ def test_judges_are_used_again_and_gone_when_their_run_is_over() -> None:
     assert cluster._IDLE["one run"] is None
 
 
-def test_nobody_at_an_address_is_wrong_use(tmp_path: Path) -> None:
-    """Told in one sentence, before anything is judged."""
-    pytest.importorskip("distributed")
-    with pytest.raises(ClusterError, match="no dask scheduler answers at nowhere"):
-        cluster.connected("nowhere")
-    words = ["grade", FLAWED, "--only", "pairs/021*", "--out", str(tmp_path), "--dask", "nowhere"]
-    done = CliRunner().invoke(app, words)
-    assert done.exit_code == 2
-    assert "no dask scheduler answers at nowhere" in " ".join(done.output.split())
-
-
 @pytest.fixture(scope="module")
 def client() -> Iterator[Any]:
     """Two workers in processes of their own."""
@@ -165,3 +154,16 @@ def test_what_does_not_start_is_raised_here(client: Any) -> None:
     with pytest.raises(AdapterError, match="nowhere"):
         list(cluster.run("python:nowhere:extract", TASKS[:1], options))
     assert list(cluster.run(FLAWED, [], options)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_nobody_at_an_address_is_wrong_use(client: Any, tmp_path: Path) -> None:
+    """Told in one sentence, before anything is judged."""
+    del client  # A client that finds nobody leaves a loop behind, in which no cluster begins.
+    with pytest.raises(ClusterError, match="no dask scheduler answers at nowhere"):
+        cluster.connected("nowhere")
+    words = ["grade", FLAWED, "--only", "pairs/021*", "--out", str(tmp_path), "--dask", "nowhere"]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 2
+    assert "no dask scheduler answers at nowhere" in " ".join(done.output.split())

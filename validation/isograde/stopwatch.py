@@ -105,9 +105,14 @@ class Machine:
         self._start, self._busy, self._own = time.monotonic(), _busy(), _own()
 
     @property
+    def passed(self) -> float:
+        """Seconds since this was made."""
+        return time.monotonic() - self._start
+
+    @property
     def others(self) -> float:
         """How many processors others kept busy until now, on average."""
-        passed = max(time.monotonic() - self._start, 1e-3)
+        passed = max(self.passed, 1e-3)
         return max(0.0, (_busy() - self._busy) - (_own() - self._own)) / passed
 
     @property

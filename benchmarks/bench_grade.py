@@ -1,0 +1,107 @@
+"""Where the time of a grade goes: the implementation, its adapter, the judging, the report.
+
+The default plan is graded in one process, as `isograde grade` does it, and the clock is read at
+the adapter and round the parts of the grade. Keeps the table in `reports/benchmarks/grade.md`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+
+from isograde import grading, report
+from isograde.declaration import Declaration
+from isograde.model import Adapter, Limits, Outcome, Request
+from isograde.report.plot import Bar, bars
+from isograde.runner import Options, Worker
+from pages import Page
+
+NAME = "skimage:lewiner"
+
+
+class Watched:
+    """An adapter, with the clock's seconds of all calls, and those inside the implementation."""
+
+    def __init__(self, adapter: Adapter) -> None:
+        self.adapter = adapter
+        self.seconds = self.inside = 0.0
+        self.calls = 0
+
+    def open(self, limits: Limits) -> Declaration:
+        """As the adapter does."""
+        return self.adapter.open(limits)
+
+    def run(self, request: Request) -> Outcome:
+        """As the adapter does; the time is added."""
+        start = time.perf_counter()
+        outcome = self.adapter.run(request)
+        self.seconds += time.perf_counter() - start
+        # What asks several times tells its own kind of seconds.
+        if request.calls == "once":
+            self.inside += outcome.seconds
+        self.calls += 1
+        return outcome
+
+    def close(self) -> None:
+        """As the adapter does."""
+        self.adapter.close()
+
+
+def shares(name: str, only: tuple[str, ...]) -> tuple[dict[str, float], int, int]:
+    """Seconds of each part of a grade, cases and calls."""
+    options = Options(only=only, jobs=1)
+    start = time.perf_counter()
+    worker = Worker.open(name, options)
+    opened = time.perf_counter() - start
+    worker.adapter = watched = Watched(worker.adapter)
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        try:
+            made = grading.graded_by(worker, name, options, Path(folder) / "report.jsonl")
+        finally:
+            worker.adapter.close()
+        graded = time.perf_counter() - start
+        start = time.perf_counter()
+        report.write(made, Path(folder), "report", ["html", "md"])
+        written = time.perf_counter() - start
+    judged = sum(float(one["seconds"]) for one in made.results)
+    footer = made.footer
+    assert footer is not None
+    found = {
+        "starting the adapter": opened,
+        "implementation": watched.inside,
+        "adapter": watched.seconds - watched.inside,
+        "judging (oracles, variants)": max(0.0, judged - watched.seconds),
+        "fields, smallest cases, lines": max(0.0, graded - max(judged, watched.seconds)),
+        "pages": written,
+    }
+    return found, len(made.results), watched.calls
+
+
+def main() -> None:
+    """Run the table and write it down."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", default=[NAME])
+    parser.add_argument("--only", nargs="*", default=[], help="globs; all unless said")
+    parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/grade.md"))
+    arguments = parser.parse_args()
+    page = Page(
+        "Where the time of a grade goes",
+        f"one process; {', '.join(arguments.only) or 'the default plan'}. A part's time is the "
+        "clock's. Smallest cases are looked for with the adapter too, which counts as its time.",
+    )
+    for colour, name in enumerate(arguments.names):
+        found, cases, calls = shares(name, tuple(arguments.only))
+        total = sum(found.values())
+        page.add(f"## {name}: {cases:,} cases, {calls:,} calls, {total:.1f} s")
+        rows = [[part, f"{one:.2f}", f"{one / total:.0%}"] for part, one in found.items()]
+        page.table(["", "seconds", "share"], rows)
+        drawn = [Bar(part, one, one, one, colour) for part, one in found.items() if one > 0.001]
+        page.plot(name.replace(":", "-"), bars(f"{name}: seconds of each part", "seconds", drawn))
+    page.write(arguments.out)
+
+
+if __name__ == "__main__":
+    main()
