@@ -26,7 +26,14 @@ def draw_all(pages: Pages) -> dict[str, str]:
 
     They are drawn again only when a program that draws or the reference has changed.
     """
-    from pictures import REGISTERED, families, fields, hero, surfaces  # noqa: F401 - importing registers
+    from pictures import (  # noqa: F401 - importing registers
+        REGISTERED,
+        families,
+        fields,
+        hero,
+        meeting,
+        surfaces,
+    )
 
     mark = fingerprint()
     known = Path(pages.folder, f"{FOLDER}/fingerprint")
