@@ -45,7 +45,7 @@ def test_the_site_builds_without_a_warning_and_its_links_lead_somewhere(tmp_path
     assert "https://doi.org/10.1109/VISUAL.1991.175782" in article
     lessons = sorted((out / "_downloads" / "notebooks").glob("lesson_*.ipynb"))
     assert len(lessons) == len(list((ROOT / "docs" / "course").glob("lesson_*.rst"))) > 0
-    programs = list((out / "_downloads").glob("*/plot_*.ipynb"))
+    programs = list((out / "_downloads" / "notebooks").glob("plot_*.ipynb"))
     assert len(programs) == len(list((ROOT / "docs" / "examples").glob("plot_*.py")))
     for path in (*lessons, *programs):
         nbformat.validate(nbformat.read(path, as_version=4))

@@ -258,7 +258,7 @@ def test_a_claim_without_more_to_say_is_told_in_the_words_of_its_judge() -> None
     declared = declaration_from({}, "it")
     report = graded(Here(lambda *_: 1 / 0, declared), "python:it:it", [case], "structure.answers")
     said = diagnosis(report, report.summaries["structure.answers"])
-    assert said == "1 calls: error: division by zero"
+    assert said == "1 call: error: division by zero"
 
 
 def in_slabs(values: Any, isovalue: float, spacing: Any) -> Any:

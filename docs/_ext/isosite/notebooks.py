@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -134,12 +135,14 @@ def lessons(app: Sphinx) -> list[str]:
 
 
 def write(app: Sphinx) -> None:
-    """Lay the notebooks of the lessons into the site."""
+    """Lay the notebooks of the lessons into the site, and beside them those of the gallery."""
     folder = Path(app.outdir) / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     for name in lessons(app):
         made = lesson(app.env.get_doctree(name))
         (folder / f"{Path(name).name}.ipynb").write_text(made, encoding="utf-8")
+    for path in sorted(Path(app.srcdir, "auto_examples").glob("plot_*.ipynb")):
+        shutil.copyfile(path, folder / path.name)
 
 
 def link(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:

@@ -85,9 +85,9 @@ def two_surfaces() -> Picture:
 def cubics() -> Picture:
     """The same curve by straight segments and by cubics."""
     n = 5
-    fields = [Field.of(values) for values in pair(n)]
-    straight = intersection_curves(*fields)
-    smooth = smooth_curves(*fields, parts=8)
+    first, second = (Field.of(values) for values in pair(n))
+    straight = intersection_curves(first, second)
+    smooth = smooth_curves(first, second, parts=8)
     figure, axes = panels(2, 3.2, 3)
     for axis, curves, title in zip(
         axes, (straight, smooth), ("straight between its points", "a cubic a segment"), strict=True

@@ -144,10 +144,12 @@ def apart(trial: Trial) -> Finding:
     distinct, times = np.unique(places, axis=0, return_counts=True)
     if len(distinct) == len(places):
         return passed(vertices=len(places))
+    count = len(places) - len(distinct)
+    stand = "1 vertex stands" if count == 1 else f"{count} vertices stand"
     return failed(
-        f"{len(places) - len(distinct)} vertices stand where another does, one at index "
+        f"{stand} where another does, {'' if count == 1 else 'one '}at index "
         f"{place(distinct[times.argmax()])}",
-        count=len(places) - len(distinct),
+        count=count,
         first=place(distinct[times.argmax()]),
     )
 

@@ -304,7 +304,10 @@ def _same_inside(
     changed = mine.excess[row] != others.excess[other_row]
     if changed.any():
         first = mine.place[row[changed][0]].tolist()
-        return f"{int(changed.sum())} cells hang together otherwise, the first is that at {first}"
+        count = int(changed.sum())
+        if count == 1:
+            return f"the cell at {first} hangs together otherwise"
+        return f"{count} cells hang together otherwise, the first is that at {first}"
     # Slivers at a tie are in one cell or in the next.
     if lattice.tied.any():
         return ""

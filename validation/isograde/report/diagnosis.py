@@ -664,7 +664,7 @@ def _errors(report: Report, summary: Summary, seen: Seen | None) -> str:
         return ""
     (most, count), *others = said.most_common()
     more = f", and {len(others)} other messages" if others else ""
-    return f"{count:,} calls: {most}{more}"
+    return f"{count:,} {'call' if count == 1 else 'calls'}: {most}{more}"
 
 
 Teller = Callable[[Report, Summary, "Seen | None"], Told]

@@ -13,6 +13,7 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from isograde.claims import CLAIMS
+from isograde.report.record import first_line
 
 ORACLES, OURS = "isograde.oracles.", "isograde.claims."
 
@@ -31,6 +32,16 @@ def oracles_of(claim: str) -> tuple[str, ...]:
     seen: set[Any] = set()
     _follow(known.judge, found, seen)
     return tuple(sorted(found))
+
+
+def judge_of(claim: str, told: str) -> str:
+    """What a report says of a claim's judge, or for want of a sentence what is said of it now.
+
+    >>> judge_of("a", "Pass when it is so"), judge_of("bodies.pieces", "of_trial")[:9]
+    ('Pass when it is so', 'Pass when')
+    """
+    known = CLAIMS.get(claim)
+    return told if known is None or " " in told else first_line(known.judge)
 
 
 def _follow(thing: Any, found: set[str], seen: set[Any]) -> None:

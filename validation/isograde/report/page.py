@@ -13,7 +13,7 @@ from isograde.report import words
 from isograde.report.findings import Cause, causes, rights
 from isograde.report.headline import choices, headline, standing
 from isograde.report.lines import JSON
-from isograde.report.oracles import oracles_of
+from isograde.report.oracles import judge_of, oracles_of
 from isograde.report.picture import SHOWN_BEYOND, picture
 from isograde.report.reading import CONVENTIONS, Report, Summary, findings_of
 from isograde.report.snippet import snippet, without
@@ -77,6 +77,7 @@ def page(report: Report) -> str:
             rights=rights(report),
             causes=found,
             first=_first(found),
+            judge_of=judge_of,
             oracles_of=oracles_of,
             evidence_of=_evidence_of(report),
             shown={s.id: _shown(report, s) for s in report.failures},
