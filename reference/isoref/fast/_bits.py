@@ -94,86 +94,77 @@ def lattice_of(n2: int, n3: int) -> Lattice:
     return Lattice(n2, n3, -(-n3 // 8))
 
 
-# --- Bytes that are not 0, and the bits in them ------------------------------------------------
+# --- Bytes in which something is crossed, and the bits in them ---------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Bytes of a slab that are not 0, and their numbers, which climb.
-
-    where : (B,) which bytes of the slab they are
-    found : (B,) the bytes
-    """
-
-    where: Integers
-    found: Bytes
-
-    def between(self, start: int, stop: int) -> Found:
-        """Those of the bytes that have numbers from `start` to below `stop`."""
-        first, last = self.where.searchsorted((start, stop)).tolist()
-        return Found(self.where[first:last], self.found[first:last])
-
-    @staticmethod
-    def joined(parts: list[Found]) -> Found:
-        """The bytes of all, one after another."""
-        return Found(
-            np.concatenate([one.where for one in parts]),
-            np.concatenate([one.found for one in parts]),
-        )
-
-
-class Set:
-    """The set bits of some bytes of a slab, in order: B bytes that are not 0, N bits.
+class Touched:
+    """Bytes of a slab in which something may be crossed, B of them.
 
     A bit that is number b of the 8 B bits stands in byte b >> 3. What climbs by one from bit to
     bit, as places do, is known of all of them from a table for bytes: its entry is what a bit 0
     has, less its b.
 
-    bit : (N,) the numbers b of the bits
-    byte : (N,) to which of the B each bit belongs
-    row : (B,) in which row of the slab each byte lies
+    where : (B,) the numbers of the bytes in the slab, which climb
+    row : (B,) in which row of the slab each lies
+    place : (B,) the place of its bit 0, less b
     index : three times (B,) the lattice index of its bit 0, planes counted from the slab's first;
         along axis 2 less b
     """
 
-    def __init__(self, bytes_: Found, lattice: Lattice) -> None:
-        self.lattice, m = lattice, bytes_.where
-        self.bit = np.unpackbits(bytes_.found, bitorder="little").view(np.bool_).nonzero()[0]
-        self.byte = self.bit >> 3
-        self.row = m // lattice.row_bytes
+    def __init__(self, where: Integers, lattice: Lattice) -> None:
+        self.lattice, self.where = lattice, where
+        self.row = where // lattice.row_bytes
         i = self.row // lattice.n2
-        b = np.arange(0, 8 * len(m), 8)
-        self._place = (m << 3) - b
-        k = self._place - self.row * lattice.row
-        self.index = i, self.row - i * lattice.n2, k
+        self.place = where - np.arange(len(where)) << 3
+        self.index = i, self.row - i * lattice.n2, self.place - self.row * lattice.row
 
     @cached_property
-    def _sample(self) -> Integers:
+    def sample(self) -> Integers:
         """(B,) the number of the sample of each byte's bit 0 in the slab, less b."""
         if self.lattice.row == self.lattice.n3:
-            return self._place
+            return self.place
         return np.asarray(self.row * self.lattice.n3 + self.index[2])
+
+    def before(self, plane: int) -> int:
+        """How many of the bytes lie in planes before this one of the slab."""
+        return int(self.where.searchsorted(plane * self.lattice.plane_bytes))
+
+
+class Set:
+    """Some of the bits of touched bytes, N of them, in order.
+
+    bit : (N,) their numbers b
+    byte : (N,) to which byte each belongs
+    """
+
+    def __init__(self, touched: Touched, bit: Integers) -> None:
+        self.touched, self.bit, self.byte = touched, bit, bit >> 3
 
     def places(self) -> Integers:
         """(N,) the place of each bit."""
-        places: Integers = take(self._place, self.byte)
+        places: Integers = take(self.touched.place, self.byte)
         places += self.bit
         return places
 
     def samples(self, which: Integers | None = None) -> Integers:
         """(N,) the number of the sample of each bit, or of those asked for, in the slab."""
         if which is None:
-            samples: Integers = take(self._sample, self.byte)
+            samples: Integers = take(self.touched.sample, self.byte)
             samples += self.bit
             return samples
-        return np.asarray(take(self._sample, take(self.byte, which)) + take(self.bit, which))
+        return np.asarray(take(self.touched.sample, take(self.byte, which)) + take(self.bit, which))
 
     def lattice_index(self, axis: int, which: Integers) -> Integers:
         """The index along an axis of some bits, planes counted from the slab's first."""
-        index: Integers = take(self.index[axis], take(self.byte, which))
+        index: Integers = take(self.touched.index[axis], take(self.byte, which))
         if axis == 2:
             index += take(self.bit, which)
         return index
+
+
+def _set_bits(bytes_: Bytes) -> Integers:
+    """The numbers of the bits that are set."""
+    return np.unpackbits(bytes_.reshape(-1), bitorder="little").view(np.bool_).nonzero()[0]
 
 
 # --- The bits of one slab after another --------------------------------------------------------
@@ -222,8 +213,8 @@ class Bits:
         np.greater_equal(samples, self.level, out=inside[:, :, : self.lattice.n3])
         return np.packbits(inside.reshape(-1), bitorder="little")
 
-    def slab(self, samples: Array) -> tuple[list[Found], Found]:
-        """Bytes with crossed edges, axis by axis, and those with active cells.
+    def slab(self, samples: Array) -> Integers:
+        """The numbers of the bytes in which something may be crossed.
 
         samples : (P, N2, N3) the planes of the slab, of which `begin` or `go_on` took the first
         """
@@ -234,18 +225,48 @@ class Bits:
         self._cross(planes)
         self._touch(planes)
 
-        # Look at the words where something is, and in these at the bytes.
+        # Look for the words where something is, and in these for the bytes.
         words = self.work[: (planes + 1) * plane + 7 & -8].view("<u8")
         which = np.not_equal(words, 0, out=self.is_set[: len(words)]).nonzero()[0]
-        numbers = which - np.arange(len(which)) << 3
-        first, second, third = self.crossed
-        edges = [
-            self._not_zero(first, which, numbers),
-            self._not_zero(second, which, numbers),
-            self._not_zero(third, which, numbers, self.has_next),
-        ]
-        cells = self._not_zero(self.work, which, numbers, self.has_cell)
-        return edges, cells.between(0, planes * plane)
+        inner = (take(words, which).view(np.uint8) != 0).nonzero()[0]
+        where: Integers = take(which - np.arange(len(which)) << 3, inner >> 3)
+        where += inner
+        return where
+
+    def edges(self, touched: Touched, lowest: int, high: int) -> tuple[Set, list[int]]:
+        """The crossed edges, by their lower ends and axis by axis; where those of an axis end.
+
+        Along axis 0 those that begin in planes before `high`; along the others those that lie in
+        planes from `lowest` on.
+        """
+        crossed = np.empty((3, len(touched.where)), np.uint8)
+        for bytes_, own in zip(self.crossed, crossed, strict=True):
+            bytes_.take(touched.where, mode="clip", out=own)
+        crossed[2] &= take(self.has_next, touched.where)
+        crossed[0, touched.before(high) :] = 0
+        crossed[1:, : touched.before(lowest)] = 0
+
+        # Count the bits of each axis from the first byte on.
+        bit = _set_bits(crossed)
+        size = 8 * len(touched.where)
+        first, second = bit.searchsorted((size, 2 * size)).tolist()
+        bit[first:second] -= size
+        bit[second:] -= 2 * size
+        return Set(touched, bit), [0, first, second, len(bit)]
+
+    def active(self, where: Integers) -> Bytes:
+        """Which of the cells in these bytes are active, a bit each, but for the last plane."""
+        return np.asarray(take(self.work, where) & take(self.has_cell, where))
+
+    def cells(self, touched: Touched, high: int) -> tuple[Set, Bytes]:
+        """The active cells before a plane of the slab, and their signs."""
+        where = touched.where[: touched.before(high)]
+        cells = Set(touched, _set_bits(self.active(where)))
+        corners = np.empty((len(where), 8), np.uint8)
+        for c, (i, j, k) in enumerate(CORNER_OFFSETS.tolist()):
+            beside = i * self.lattice.plane_bytes + j * self.lattice.row_bytes
+            corners[:, c] = take(self.next if k else self.bits, where + beside)
+        return cells, take(transposed(corners), cells.bit)
 
     def _cross(self, planes: int) -> None:
         """Compare neighbours along each axis."""
@@ -289,31 +310,6 @@ class Bits:
         joined[:below] |= first[:below]
         joined[below:size] = touched[below:size]
         joined[size : size + 7 & -8] = 0
-
-    def _not_zero(
-        self, bytes_: Bytes, which: Integers, numbers: Integers, mask: Bytes | None = None
-    ) -> Found:
-        """The bytes of some words that are not 0, under a mask.
-
-        which : the words
-        numbers : of the first byte of each, less eight for each word before it
-        """
-        words = take(bytes_.view("<u8"), which)
-        if mask is not None:
-            words &= take(mask.view("<u8"), which)
-        own = words.view(np.uint8)
-        inner = (own != 0).nonzero()[0]
-        where = take(numbers, inner >> 3)
-        where += inner
-        return Found(where, take(own, inner))
-
-    def signs(self, where: Integers, cells: Set) -> Bytes:
-        """The signs of the active cells, which lie in the bytes with these numbers."""
-        corners = np.empty((len(where), 8), np.uint8)
-        for c, (i, j, k) in enumerate(CORNER_OFFSETS.tolist()):
-            beside = i * self.lattice.plane_bytes + j * self.lattice.row_bytes
-            corners[:, c] = take(self.next if k else self.bits, where + beside)
-        return np.asarray(take(transposed(corners), cells.bit))
 
 
 def transposed(corners: Bytes) -> Bytes:

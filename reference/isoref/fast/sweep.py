@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from isoref.cube import CORNER_OFFSETS
-from isoref.fast._bits import POPULATION, Bits, Bytes, Found, Lattice, Set, lattice_of, take
+from isoref.fast._bits import POPULATION, Bits, Bytes, Lattice, Set, Touched, lattice_of, take
 from isoref.fast._fans import BLOCK, LONGEST, Kind, corners_of, steps_of, tiles_of
 from isoref.fast._growing import Growing
 from isoref.field import Array, Field, Floats, Integers, check_isovalue, least_inside
@@ -275,9 +275,8 @@ class _Sweep:
 
     def _slab(self, first: int, planes: int) -> Iterator[float]:
         """Add the cells between planes `first` and `first + planes`; as `_run`."""
-        plane = self.lattice.plane_bytes
         samples = self._samples(first, planes)
-        edges, cells = self.bits.slab(samples)
+        where = self.bits.slab(samples)
 
         # Number the vertices from the first one of the slab before, which shares a plane.
         self.recent, self.entered = [one for one in self.recent if one[0] >= self.begun], 0
@@ -285,12 +284,14 @@ class _Sweep:
         self.vertex_of[self.upper_edges] = self.upper_vertices
         self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
-        # Go through the active cells part by part.
-        if any(len(one.where) for one in edges):
-            for low, high in pairwise(self._parts(cells, planes)):
+        # Go through the active cells part by part; the last plane of one is the first of the next.
+        if len(where):
+            starts = where.searchsorted(self.lattice.plane_bytes * np.arange(planes + 2))
+            for low, high in pairwise(self._parts(where, starts, planes)):
                 part = _Part(first, planes, low, high, samples.reshape(-1))
-                self._make_crossings(part, edges)
-                self._make_cells(part, cells.between(low * plane, high * plane))
+                touched = Touched(where[starts[low] : starts[high + 1]], self.lattice)
+                self._make_crossings(part, touched)
+                self._make_cells(part, touched)
                 yield (first + high) / (self.field.shape[0] - 1)
         self.bits.go_on(planes)
 
@@ -306,23 +307,30 @@ class _Sweep:
         copied[:] = samples
         return copied
 
-    def _parts(self, cells: Found, planes: int) -> list[int]:
-        """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells."""
-        if 8 * len(cells.where) <= PART_CELLS:
+    def _parts(self, where: Integers, starts: Integers, planes: int) -> list[int]:
+        """The planes at which to cut a slab, so that a part has about `PART_CELLS` active cells.
+
+        starts : (planes + 2,) where in `where` each plane starts
+        """
+        if 8 * len(where) <= PART_CELLS:
             return [0, planes]
-        starts = cells.where.searchsorted(self.lattice.plane_bytes * np.arange(planes + 1))
-        before = np.append(0, np.cumsum(take(POPULATION, cells.found)))[starts]
+        before = np.append(0, np.cumsum(take(POPULATION, self.bits.active(where))))[starts]
         parts = [0]
         while parts[-1] < planes:
             most = before[parts[-1]] + PART_CELLS
-            parts.append(max(parts[-1] + 1, int(np.searchsorted(before, most, "right")) - 1))
+            last = int(np.searchsorted(before[: planes + 1], most, "right")) - 1
+            parts.append(max(parts[-1] + 1, last))
         return parts
 
     # --- Crossings -------------------------------------------------------------------------
 
-    def _make_crossings(self, part: _Part, crossed: list[Found]) -> None:
-        """Number and place the crossings on the edges that a part owns, axis by axis."""
-        edges, ends = self._edges(part, crossed)
+    def _make_crossings(self, part: _Part, touched: Touched) -> None:
+        """Number and place the crossings on the edges that a part owns, axis by axis.
+
+        They are those between its planes, and on all of these but the lowest.
+        """
+        lowest = part.low + bool(part.first or part.low)
+        edges, ends = self.bits.edges(touched, lowest, part.high)
         at = edges.places()
         self._number(part, at, ends)
 
@@ -340,28 +348,12 @@ class _Sweep:
         # Write the positions.
         out = self.vertices.more(len(t))
         for axis in range(3):
-            first = edges.index[axis] + (self.start[axis] + (0 if axis else part.first))
+            first = touched.index[axis] + (self.start[axis] + (0 if axis else part.first))
             index = take(first.astype(np.float64), edges.byte)
             if axis == 2:
                 index += edges.bit
             index[ends[axis] : ends[axis + 1]] += t[ends[axis] : ends[axis + 1]]
             out[:, axis] = self._position(index, axis)
-
-    def _edges(self, part: _Part, crossed: list[Found]) -> tuple[Set, list[int]]:
-        """The crossed edges that a part owns, by their lower ends; where those of an axis end.
-
-        They are those between its planes, and on all of these but the lowest.
-        """
-        plane = self.lattice.plane_bytes
-        lowest = part.low + bool(part.first or part.low)
-        between, *on = crossed
-        own = [
-            between.between(part.low * plane, part.high * plane),
-            *(one.between(lowest * plane, (part.high + 1) * plane) for one in on),
-        ]
-        edges = Set(Found.joined(own), self.lattice)
-        before = np.cumsum([len(one.where) for one in own[:2]])
-        return edges, [0, *edges.byte.searchsorted(before).tolist(), len(edges.byte)]
 
     def _number(self, part: _Part, places: Integers, ends: list[int]) -> None:
         """Give the edges of a part the next numbers; keep those that the next slab needs."""
@@ -414,12 +406,12 @@ class _Sweep:
 
     # --- Triangles -------------------------------------------------------------------------
 
-    def _make_cells(self, part: _Part, active: Found) -> None:
+    def _make_cells(self, part: _Part, touched: Touched) -> None:
         """Add the triangles of active cells, and note their interior points."""
-        if not len(active.where):
+        cells, signs = self.bits.cells(touched, part.high)
+        if not len(signs):
             return
-        cells = Set(active, self.lattice)
-        keys = self._keys(part.samples, cells, self.bits.signs(active.where, cells))
+        keys = self._keys(part.samples, cells, signs)
         self.tables = self.tiles.learn(keys)
         self.steps = steps_of(self.tables, self.lattice)
         base = 3 * cells.places()
