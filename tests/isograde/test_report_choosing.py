@@ -58,6 +58,19 @@ def test_a_need_is_answered_by_its_rule_and_says_why() -> None:
     assert said["closed-python"][1] == torn
 
 
+def test_no_answer_to_a_field_with_ties_is_no_better_than_a_torn_one() -> None:
+    """Whoever raises where samples equal the isovalue has torn nothing, and closes no CT either."""
+    mute = named("mute", TIED, row("ties/b", False, structure__answers="error"))
+    about = dict.fromkeys(("sound", "leaky", "mute"), FREE)
+    (page,) = pages([LEAKY, mute, SOUND], {}, about)
+    fits = {need.name: [one.name for one in rows] for need, rows in page.answers}
+    assert fits["closed-python"] == ["sound", "mute", "leaky"]
+    assert fits["watertight"] == ["sound"]
+    said = {need.name: [need.reason(one) for one in rows] for need, rows in page.answers}
+    assert "no answer to 1 of the fields with ties" in said["closed-python"][1]
+    assert "no answer to 1" in choosing_page([mute], {"mute": "mute.html"})
+
+
 @pytest.mark.parametrize("use", ["copyleft", "non-commercial"])
 def test_a_licence_that_is_not_permissive_is_no_answer_where_one_is_asked_for(use: str) -> None:
     """Whoever asks for a permissive licence gets no other."""

@@ -23,12 +23,14 @@ from isograde.model import LEVELS
 from isograde.report.comparison import by_kinds
 from isograde.report.findings import causes
 from isograde.report.headline import (
+    ANSWERS,
     TIES,
     TRILINEAR,
     by_level,
     choices,
     family_of,
     ties_torn,
+    ties_unanswered,
     wrong_cells,
 )
 from isograde.report.page import environment
@@ -75,6 +77,7 @@ class Row:
     level_name : in words
     ties : the level holds with ties too; None where no field had ties
     torn : fields with ties that are torn, of how many
+    unanswered : fields with ties on which no mesh came
     wrong : wrong cells in a million on real scans
     accuracy : mean distance to a known sphere, in its radius, with 3 * 2^k samples a radius
     worst : the first thing that is wrong, in a sentence; its claim; and whether it is promised
@@ -96,6 +99,7 @@ class Row:
     level_name: str
     ties: bool | None
     torn: tuple[int, int] | None
+    unanswered: int
     wrong: float | None
     accuracy: float | None
     worst: str
@@ -115,6 +119,18 @@ class Row:
     def id(self) -> str:
         """The name, fit to be the target of a link on this page."""
         return "".join(letter if letter.isalnum() else "-" for letter in self.name)
+
+    @property
+    def torn_share(self) -> float:
+        """The share of fields with ties torn or without an answer; 2 where there are none."""
+        torn, judged = self.torn or (0, 0)
+        asked = judged + self.unanswered
+        return (torn + self.unanswered) / asked if asked else 2.0
+
+    @property
+    def whole_with_ties(self) -> bool:
+        """Every field with ties was answered, and none is torn."""
+        return self.torn is not None and not self.torn[0] and not self.unanswered
 
     def link_to(self, shown: str) -> str:
         """Where what is shown can be checked, or nothing where there is no page."""
@@ -160,13 +176,14 @@ def row(
         "none" if reached is None else LEVELS[reached][0],
         report.with_ties,
         ties_torn(report),
+        ties_unanswered(report),
         wrong_cells(report),
         _accuracy(report),
         found[0].said if found else "",
         bool(found) and found[0].held,
         {
             "level": _place(report, _first_failing(report)),
-            "ties": _place(report, TIES),
+            "ties": _place(report, ANSWERS if ties_unanswered(report) else TIES),
             "wrong": _place(report, TRILINEAR),
             "accuracy": _place(report, DISTANCE),
             "worst": _place(report, found[0].root.id if found else ""),
@@ -205,8 +222,8 @@ def _in_order(one: Row) -> tuple[float, ...]:
 
 
 def _torn_share(one: Row) -> float:
-    """The share of fields with ties that are torn; 1 where none was judged."""
-    return one.torn[0] / one.torn[1] if one.torn else 1.0
+    """The share of fields with ties torn or without an answer; 1 where none was judged."""
+    return min(one.torn_share, 1.0)
 
 
 def _wrong(one: Row) -> float:
@@ -220,6 +237,8 @@ def _closed_because(one: Row) -> str:
     said += ", capped at the border" if one.capped else ""
     if one.ties:
         return f"{said}, with ties too"
+    if one.unanswered:
+        said += f"; no answer to {one.unanswered} of the fields with ties"
     return f"{said}; torn in {one.torn[0]} of {one.torn[1]} fields with ties" if one.torn else said
 
 
@@ -280,8 +299,8 @@ NEEDS = (
         "closed-python",
         "a closed surface of a CT, in Python, fast, permissive licence",
         "Level 1 or above (closed wherever no sample equals the isovalue), called from Python, a "
-        "permissive licence; fewest fields with ties torn first, for a CT of whole numbers has "
-        "ties, then the fastest.",
+        "permissive licence; fewest fields with ties torn or without an answer first, for a CT of "
+        "whole numbers has ties, then the fastest.",
         lambda one: one.level >= CLOSED and _from_python(one),
         lambda one: (_torn_share(one), _ratio(one), _wrong(one), one.rank),
         _closed_and_fast_because,
@@ -289,10 +308,10 @@ NEEDS = (
     Need(
         "watertight",
         "a closed surface for printing",
-        "Level 1 or above, and no field with ties torn: scans of whole numbers have ties. A "
-        "surface that meets the border of the volume is closed there only by those that cap it, "
-        "which come first.",
-        lambda one: one.level >= CLOSED and one.torn is not None and not one.torn[0],
+        "Level 1 or above, every field with ties answered and none torn: scans of whole numbers "
+        "have ties. A surface that meets the border of the volume is closed there only by those "
+        "that cap it, which come first.",
+        lambda one: one.level >= CLOSED and one.whole_with_ties,
         lambda one: (not one.capped, one.rank),
         _closed_because,
     ),

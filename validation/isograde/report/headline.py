@@ -21,9 +21,10 @@ from math import inf
 
 from isograde.causes import roots
 from isograde.model import LEVELS, Kind, Verdict
-from isograde.report.reading import Report, Rung, Summary, bad_of, results_tagged
+from isograde.report.reading import Report, Rung, Summary, bad_in, bad_of, results_tagged
 
 TIES = "topology.ties"
+ANSWERS = "structure.answers"
 TRILINEAR = "topology.trilinear"
 # Vertices that nothing uses, and simplices without a measure.
 WASTE = ("structure.all_used", "structure.with_measure")
@@ -215,6 +216,12 @@ def ties_torn(report: Report) -> tuple[int, int] | None:
     """Fields with ties that are torn, of how many; None where there is no evidence."""
     summary = report.summaries.get(TIES)
     return (summary.bad, summary.evidence) if summary is not None and summary.evidence else None
+
+
+def ties_unanswered(report: Report) -> int:
+    """Fields with ties on which no mesh came: an error, say, in place of one."""
+    summary = report.summaries.get(ANSWERS)
+    return 0 if summary is None else bad_in(summary.tied)
 
 
 def scans(report: Report) -> str:

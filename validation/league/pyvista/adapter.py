@@ -5,7 +5,8 @@ import numpy as np
 
 def surface(values, isovalue, spacing, method):
     """The surface by one of the methods of `contour`."""
-    image = volume(values.astype(np.uint8) if values.dtype == bool else values, spacing)
+    wider = {"b1": np.uint8, "f2": np.float32}.get(values.dtype.str[1:], values.dtype)
+    image = volume(values.astype(wider, copy=False), spacing)
     return arrays(image.contour([isovalue], scalars="values", method=method))
 
 
