@@ -2,6 +2,7 @@
 
 import tracemalloc
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from isoref.fast.sweep import sweep
 from isoref.field import Field, FieldError
 from isoref.mesh import Mesh
 from isoref.methods import RULES
+from isoref.sweep import sweep as sweep_plain
 from numpy.typing import NDArray
 
 NOISE = np.random.default_rng(20).normal(size=(21, 9, 13))
@@ -162,3 +164,21 @@ def test_thin_volumes_have_the_pieces_they_have(shape: tuple[int, int, int]) -> 
     values = np.arange(np.prod(shape), dtype=float).reshape(shape)
     pieces = list(slabs(values, 2.5))
     assert bool(pieces) == (min(shape) >= 2)
+
+
+def test_surfaces_that_are_drawn_at_the_same_time_do_not_disturb_each_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Small volumes are swept in arrays that are kept between calls; each call has its own."""
+    monkeypatch.setattr(isoref.fast.sweep, "PART_CELLS", 50)
+    volumes = [np.random.default_rng(seed).normal(size=(9, 8, 7)) for seed in range(5)]
+    apart = [list(slabs(volume, 0.1)) for volume in volumes]
+    at_once = list(zip_longest(*(slabs(volume, 0.1) for volume in volumes)))
+    assert len(at_once) > 3
+    for volume, whole, pieces in zip(volumes, apart, zip(*at_once, strict=True), strict=True):
+        for one, same in zip_longest(whole, filter(None, pieces)):
+            assert np.array_equal(one.vertices, same.vertices)
+            assert np.array_equal(one.simplices, same.simplices)
+        plain = sweep_plain(RULES["asymptotic-decider"], Field.of(volume), 0.1)
+        found = np.concatenate([piece.vertices for piece in whole])
+        assert sorted(found.tolist()) == sorted(plain.vertices.tolist())

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from isoref.fast._fans import BLOCK
 from isoref.fast.sweep import sweep
 from isoref.field import Array, Field, FieldError
 from isoref.mesh import Mesh, number_types
@@ -235,6 +236,18 @@ def test_tiles_are_asked_for_once() -> None:
     before = len(asked)
     sweep(rule, field, 0.0)
     assert len(asked) == before
+
+
+@pytest.mark.parametrize("name", ["asymptotic-decider", "marching-vesta-mixed-H"])
+def test_more_fans_than_a_block_holds_are_drawn_all(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fans of one kind are drawn block by block; in small parts no kind fills a block."""
+    field = Field.of(np.random.default_rng(2).normal(size=(34, 35, 36)))
+    whole = sweep(RULES[name], field, 0.1)
+    assert len(whole.simplices) > 10 * BLOCK
+    monkeypatch.setattr(isoref.fast.sweep, "PART_CELLS", BLOCK // 4)
+    assert_same(sweep(RULES[name], field, 0.1), whole)
 
 
 def test_the_arrays_do_not_depend_on_earlier_calls() -> None:

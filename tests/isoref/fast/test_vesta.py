@@ -6,6 +6,7 @@ from itertools import pairwise, permutations, product
 from pathlib import Path
 from typing import get_args
 
+import isoref.fast.vesta
 import numpy as np
 import pytest
 from hypothesis import given
@@ -447,3 +448,17 @@ def test_table_2_on_the_bunny(data: Path) -> None:
     assert len(surface.mesh("L").simplices) == 2_042_908
     high = surface.mesh("H")
     assert (len(high.vertices), len(high.simplices)) == (1_788_264, 3_576_516)
+
+
+@pytest.mark.parametrize("voxels", [1, 200, 500])
+def test_blocks_of_voxels_make_no_difference(voxels: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paths are followed block by block: wherever blocks are cut, the same cycles."""
+    values = np.random.default_rng(8).normal(size=(9, 7, 11))
+    for border in get_args(Border):
+        monkeypatch.undo()
+        whole = extract(values, 0.1, border=border)
+        monkeypatch.setattr(isoref.fast.vesta, "BLOCK_VOXELS", voxels)
+        parts = extract(values, 0.1, border=border)
+        assert np.array_equal(parts.points, whole.points)
+        assert parts.lengths == whole.lengths
+        assert all(np.array_equal(parts.cycles[n], whole.cycles[n]) for n in whole.cycles)
