@@ -20,11 +20,13 @@ from unittest.mock import patch
 
 import numpy as np
 from isograde.cases.volumes import REGISTRY, find, read
-from isograde.stopwatch import Timing, interleave, machine_state, peak_memory
+from isograde.report.plot import Bar, bars
+from isograde.stopwatch import Timing, interleave, peak_memory
 from isoref.fast._bits import Bits
 from isoref.fast.sweep import _Sweep, sweep
 from isoref.field import Array, Field
 from isoref.methods import METHODS, RULES
+from pages import Page
 from scipy.ndimage import gaussian_filter
 
 Run = Callable[[], object]
@@ -297,29 +299,33 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/extraction.md"))
     arguments = parser.parse_args()
-    parts = [
-        "# Extraction, one thread",
-        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
+    page = Page(
+        "Extraction, one thread",
+        f"medians of {arguments.rounds} rounds, contestants in turn. Only the "
         f"ratios carry over: of processor time, round by round, with their quartiles. Ours is "
         f"`{OURS}`, its mesh float64 and int64; single precision is float32 and int32.",
-    ]
+    )
     asked, profiles = [], []
+    ratios: dict[str, list[Bar]] = {}
     for name in arguments.fields:
         values = FIELDS[name]()
         text, timings = table(name, values, arguments.methods, arguments.rounds)
         asked += goals(name, timings)
         profiles.append(profile(name, values, arguments.rounds))
-        parts.append(text)
-        print(parts[-1], flush=True)
-    parts += [
+        page.add(text)
+        for peer in timings.keys() - {OURS, OURS_SINGLE, COMPARISON}:
+            ratios.setdefault(peer, []).append(Bar(name, *timings[peer].over(timings[OURS])))
+    page.add(
         "## What was asked, and what was found",
         rows_of(["", "goal", "found (quartiles)", ""], asked),
         "## Where our time goes, in per cent of it",
         rows_of(["", *STAGES], profiles) + "\n" + ARGUED + "\n",
-    ]
-    print(*parts[-4:], sep="\n\n", flush=True)
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+        "## Every field",
+    )
+    for peer in sorted(ratios):
+        stem = "".join(letter if letter.isalnum() else "-" for letter in peer)
+        page.plot(stem, bars(f"{peer} over ours", "larger: ours is faster", ratios[peer]))
+    page.write(arguments.out)
 
 
 if __name__ == "__main__":

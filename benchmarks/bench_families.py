@@ -16,9 +16,10 @@ from pathlib import Path
 
 import numpy as np
 from bench_extraction import gyroid, noise, sphere
-from isograde.stopwatch import interleave, machine_state, peak_memory
+from isograde.stopwatch import interleave, peak_memory
 from isoref.field import Array, Field
 from isoref.methods import METHODS
+from pages import Page
 
 Run = Callable[[], int]
 FIELDS: dict[str, Callable[[], Array]] = {
@@ -136,17 +137,14 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/families.md"))
     arguments = parser.parse_args()
-    parts = [
-        "# Other families, one thread",
-        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
-        "ratios carry over.",
-    ]
+    page = Page(
+        "Other families, one thread",
+        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+    )
     for name in arguments.fields:
         for family in FAMILIES:
-            parts.append(table(family, name, FIELDS[name](), arguments.rounds))
-            print(parts[-1], flush=True)
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+            page.add(table(family, name, FIELDS[name](), arguments.rounds))
+    page.write(arguments.out)
 
 
 if __name__ == "__main__":

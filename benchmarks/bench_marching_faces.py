@@ -15,12 +15,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from isograde.stopwatch import interleave, machine_state, peak_memory
+from isograde.stopwatch import interleave, peak_memory
 from isoref.curves import real_and_imaginary
 from isoref.fast import surface_intersection
 from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
 from isoref.plane_waves import random_waves
+from pages import Page
 
 Run = Callable[[], object]
 
@@ -81,16 +82,14 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/marching_faces.md"))
     arguments = parser.parse_args()
-    parts = [
-        "# Intersection curves, one thread",
-        f"{machine_state()}; random waves, wave number {WAVE_NUMBER:g}; medians of "
+    page = Page(
+        "Intersection curves, one thread",
+        f"random waves, wave number {WAVE_NUMBER:g}; medians of "
         f"{arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
-    ]
+    )
     for side in arguments.sides:
-        parts.append(table(side, arguments.rounds))
-        print(parts[-1], flush=True)
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+        page.add(table(side, arguments.rounds))
+    page.write(arguments.out)
 
 
 if __name__ == "__main__":

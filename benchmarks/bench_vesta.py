@@ -14,13 +14,14 @@ from pathlib import Path
 import numpy as np
 from bench_extraction import noise, sphere, vtk_peers
 from isograde.cases.volumes import REGISTRY, find, read
-from isograde.stopwatch import interleave, machine_state, peak_memory
+from isograde.stopwatch import interleave, peak_memory
 from isoref.diconex import diconex as diconex_plainly
 from isoref.fast.diconex import diconex
 from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from isoref.vesta import extract as extract_plainly
+from pages import Page
 
 Run = Callable[[], object]
 PAIRS = ("disconnect-L", "mixed-L", "mixed-H")
@@ -106,20 +107,16 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/vesta.md"))
     arguments = parser.parse_args()
-    parts = [
-        "# VESTA, one thread",
-        f"{machine_state()}; medians of {arguments.rounds} rounds, contestants in turn. Only the "
-        "ratios carry over.",
-    ]
+    page = Page(
+        "VESTA, one thread",
+        f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
+    )
     for name in arguments.fields:
         build, isovalue = FIELDS[name]
         values = build()
-        parts.append(table(name, contestants(values, isovalue), arguments.rounds))
-        print(parts[-1], flush=True)
-    parts += twins(arguments.rounds)
-    print(*parts[-2:], sep="\n")
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text("\n\n".join(parts), encoding="utf-8")
+        page.add(table(name, contestants(values, isovalue), arguments.rounds))
+    page.add(*twins(arguments.rounds))
+    page.write(arguments.out)
 
 
 if __name__ == "__main__":
