@@ -330,11 +330,14 @@ def test_a_domain_that_is_one_sample_thick_has_no_surface() -> None:
     assert judged("sides", nothing).verdict is Verdict.FAIL
 
 
-def test_corners_of_a_soup_stand_on_the_border_within_its_tolerance() -> None:
-    """Found by ``make correct``: two corners on two borders, 1e-5 from one sample and from it."""
-    values = np.full((2, 2, 2), -1.0)
-    values[0, 0, 1] = values[1, 1, 1] = 1
-    values[0, 1, 1] = -9e-6
+@pytest.mark.parametrize(
+    "samples",
+    [[-1, 1, -1, -9e-6, -1, -1, -1, 1], [-1, -20000, -1, 1, -1, 1, 1, -0.007]],
+    ids=["corners on two borders", "an inner vertex near three"],
+)
+def test_a_soup_is_judged_in_its_place_at_the_border(samples: list[float]) -> None:
+    """Found by ``make correct``: corners that become one, and one that must not move."""
+    values = np.reshape(samples, (2, 2, 2))
     field, vertices, simplices = cubes(values)
     corners = vertices[simplices].reshape(-1, 3)
     soup = np.arange(len(corners)).reshape(-1, 3)

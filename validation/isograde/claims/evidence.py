@@ -128,10 +128,23 @@ def complex_of(trial: Trial) -> Complex:
 
 
 def placed(trial: Trial, mesh: Mesh) -> Complex:
-    """A mesh that answers the trial's field, in index coordinates; a soup's vertices welded."""
-    found = Complex.of(lattice_of(trial).index(mesh.vertices), mesh.simplices)
-    soup = trial.declaration.soup
-    return found if soup is None else found.renamed(clusters(found.points, soup))
+    """A mesh that answers the trial's field, in index coordinates; a soup's vertices welded.
+
+    Corners of a soup that become one at a tied sample become that sample: on the border they may
+    have come from two of its planes, and any one of them would leave the other.
+    """
+    lattice, soup = lattice_of(trial), trial.declaration.soup
+    found = Complex.of(lattice.index(mesh.vertices), mesh.simplices)
+    if soup is None:
+        return found
+    name = clusters(found.points, soup)
+    moved = np.unique(name[(found.points != found.points[name]).any(axis=1)])
+    moved = moved[lattice.at_tie(found.points[moved])]
+    if len(moved):
+        points = found.points.copy()
+        points[moved] = np.rint(points[moved])
+        found = Complex(points, found.simplices)
+    return found.renamed(name)
 
 
 def clusters(points: Floats, tolerance: float) -> Integers:

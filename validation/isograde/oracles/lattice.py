@@ -158,14 +158,12 @@ class Lattice:
     def index(self, points: Floats) -> Floats:
         """Index coordinates of world positions; those at the domain's ends stand there exactly.
 
-        Corners of a soup are there within its tolerance, as they are at each other. Places absurdly
-        far outside are brought to `FAR`, where whole numbers are still exact.
+        Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
         """
-        slack = max(self.tolerance, self.declared.soup or 0.0)
         places = np.subtract(points, self.field.origin) / self.field.spacing
         places = np.clip(places, -FAR, FAR)
         for plane in (np.zeros(self.n), np.subtract(self.shape, 1.0), self.first, self.last):
-            places = np.where(np.abs(places - plane) <= slack, plane, places)
+            places = np.where(np.abs(places - plane) <= self.tolerance, plane, places)
         return places
 
     def on_border(self, places: Floats, rows: Integers) -> Booleans:
