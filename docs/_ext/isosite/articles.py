@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from textwrap import indent
 
 from isosite.evidence import PACKAGES, ROOT, Test, all_tests, pinned, shown_tests
@@ -82,6 +83,7 @@ def definition(module: Module, part: Part, pictures: str) -> str:
     return body
 
 
+@cache
 def _shown() -> frozenset[Test]:
     return frozenset(shown_tests())
 
