@@ -20,7 +20,7 @@ from isoref.field import Array
 from isoref.methods import extract
 from pages import Page
 
-#: Isovalues by the share of the samples below them.
+#: Isovalues by the share of the samples below them, those at an end of the range left out.
 SHARES = (0.5, 0.9, 0.98, 0.998, 0.9998)
 FIELDS = {
     "sphere 256^3": lambda: sphere(256),
@@ -31,8 +31,12 @@ FIELDS = {
 
 
 def isovalues(values: Array) -> list[float]:
-    """Isovalues between samples, from a surface in the middle to one round the largest samples."""
+    """Isovalues between samples, from a surface in the middle to one round the largest samples.
+
+    Samples at an end of the range are not counted: of a scan they are most.
+    """
     sample = np.sort(values[::3, ::3, ::3].reshape(-1).astype(float))
+    sample = sample[(sample > sample[0]) & (sample < sample[-1])]
     found = [float(sample[int(share * (len(sample) - 1))]) for share in SHARES]
     half = 0.5 if values.dtype.kind == "u" else 0.0
     return sorted({level + half for level in found if level + half < sample[-1]})

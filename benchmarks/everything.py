@@ -32,6 +32,8 @@ def main() -> int:
     parser.add_argument("names", nargs="*", default=programs())
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/machine.md"))
     arguments = parser.parse_args()
+    if unknown := sorted(set(arguments.names) - set(programs())):
+        parser.error(f"no {', '.join(unknown)}; there are {', '.join(programs())}")
     page = Page("The machine, benchmark by benchmark", "each program was run by itself.")
     rows, failed, total = [], [], 0.0
     for name in arguments.names:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 WIDTH, HEIGHT = 480, 330
 LEFT, RIGHT, BOTTOM = 58, 14, 46
 KEY_ROW, KEY_COLUMNS = 17, 2
-BAR_ROW, BAR_LEFT = 22, 150
+BAR_ROW, LETTER, MOST_LEFT = 22, 6.9, 250
 COLOURS = ("front", "back", "crowd", "good", "bad")
 STYLE = """
 .plot{--p-ink:var(--ink,#1b1f24);--p-soft:var(--soft,#5c6570);--p-line:var(--line,#e3e4df);
@@ -103,7 +103,8 @@ def bars(title: str, across: str, rows: Sequence[Bar]) -> str:
     """Ratios on a logarithmic scale, each with its quartiles; a line where they are 1."""
     top, height = 34, 34 + BAR_ROW * len(rows) + BOTTOM
     values = [number for row in rows for number in (row.low, row.middle, row.high)]
-    x, ticks = _scale([*values, 1.0], BAR_LEFT, WIDTH - RIGHT - 40)
+    left = min(MOST_LEFT, 24 + LETTER * max((len(row.name) for row in rows), default=0))
+    x, ticks = _scale([*values, 1.0], left, WIDTH - RIGHT - 40)
     parts = [_word(LEFT - 44, 18, title, "start", "title")]
     for tick in ticks:
         parts.append(_line(x(tick), x(tick), top, height - BOTTOM))
@@ -111,14 +112,14 @@ def bars(title: str, across: str, rows: Sequence[Bar]) -> str:
     parts.append(_line(x(1.0), x(1.0), top, height - BOTTOM, "one"))
     for number, row in enumerate(rows):
         y = top + BAR_ROW * (number + 0.5)
-        parts.append(_word(BAR_LEFT - 10, y + 4, row.name, "end"))
+        parts.append(_word(left - 10, y + 4, row.name, "end"))
         spread = _line(x(row.low), x(row.high), y, y, f"spread {_stroke(row.colour)}")
         parts.append(spread)
         parts.append(
             f'<circle class="{_fill(row.colour)}" cx="{x(row.middle):.1f}" cy="{y:.1f}" r="4"/>'
         )
         parts.append(_word(x(row.high) + 9, y + 4, f"{row.middle:.2f}", "start"))
-    parts.append(_word((BAR_LEFT + WIDTH - RIGHT) / 2, height - 8, across, "middle"))
+    parts.append(_word((left + WIDTH - RIGHT) / 2, height - 8, across, "middle"))
     return _svg(f"{title}: {across}", height, parts)
 
 
