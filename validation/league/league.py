@@ -15,7 +15,8 @@ use            what the licence allows: permissive, copyleft or non-commercial
                which are looked for and not installed) with ``needs`` (programs that must be there)
 [methods.NAME] ``calls`` (the call, for people), ``function`` and ``options`` of the adapter,
                ``declaration`` (`isograde explain declaration`, without the name), ``does`` (what
-               the adapter does for the package, to be told with the results)
+               the adapter does for the package, to be told with the results), ``unkept`` (why its
+               report is not kept in the repository, where it was graded)
 """
 
 from __future__ import annotations
@@ -291,7 +292,8 @@ def page() -> Path:
                 failed = (
                     reason.exists() and reason.read_text(encoding="utf-8").strip().splitlines()[0]
                 )
-                absent[method] = failed or "not graded yet"
+                unkept = package.said["methods"][method].get("unkept", "not graded yet")
+                absent[method] = failed or unkept
     known = about()
     best = twelve_lines(found, known)
     reports.write_whole(REPORTS / "league.md", best)
