@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults fuzz mutation proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
+.PHONY: explorer help grade test quick lint correct faults fuzz mutation oldest proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -20,6 +20,7 @@ help:
 	@echo "make faults      judge every fault of the tests on the whole plan; goes on where it stopped"
 	@echo "make fuzz        inputs that nobody would write: READER=protocol COUNT=1000; goes on where it stopped"
 	@echo "make mutation    mutants of oracles and claims; goes on where it stopped"
+	@echo "make oldest      the lowest NumPy and SciPy that we support give the same verdicts"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make league      build and grade every package of validation/league, and write the page to choose by"
@@ -71,6 +72,9 @@ fuzz: $(STAMP)
 mutation: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[mutation]"
 	$(BIN)/python -m tests.mutation.run
+
+oldest: $(STAMP)
+	$(BIN)/python -m tests.isograde.repeated --oldest
 
 papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done

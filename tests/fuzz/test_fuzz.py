@@ -1,12 +1,14 @@
 """Whatever reads from outside ends with a value or with an error of its own, in words.
 
-A little of what `tests.fuzz.run` does at length, with numbers that it has had already, and all that
-it found.
+Half a minute of what `tests.fuzz.run` does at length, from the same beginning, and all that it
+found.
 """
 
 from __future__ import annotations
 
+import itertools
 import shutil
+import time
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +20,8 @@ from tests.fuzz import run
 from tests.fuzz.changes import made
 from tests.fuzz.readers import READERS, Reader, folder
 
-INPUTS = 150
+#: So many inputs of each reader at least, and for so many seconds of the processor in all.
+INPUTS, SECONDS = 150, 30.0
 KEPT = sorted(path for path in run.CORPUS.rglob("*") if path.is_file())
 
 
@@ -39,10 +42,14 @@ pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptio
 def test_a_reader_bears_inputs_that_nobody_would_write(name: str, place: Path) -> None:
     """Some are read and some are refused: else nothing was tried.
 
+    Inputs are known by their numbers, from 0 on; how many go into the time is the machine's.
     A report has a date, so its inputs are others each day, and few changes of it are read.
     """
-    one = READERS[name]
-    said = [run.tried(one, place, *run.input_of(one, number)) for number in range(INPUTS)]
+    one, end, said = READERS[name], time.process_time() + SECONDS / len(READERS), list[str]()
+    for number in itertools.count():
+        if number >= INPUTS and time.process_time() > end:
+            break
+        said.append(run.tried(one, place, *run.input_of(one, number)))
     assert "read" in said or name == "report"
     assert set(said) - {"read"}
 

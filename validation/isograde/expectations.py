@@ -94,7 +94,7 @@ def _entry(name: str, said: Any) -> Expected:
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]}?" if close else "see `isograde list claims`"
-        raise ExpectationError(f"no claim {name!r}; {hint}")
+        raise ExpectationError(f"no claim {name!r:.200}; {hint}")
     if name.startswith(FIRM):
         raise ExpectationError(f"{name}: known bodies cannot be expected to fail")
     reason, cases = _parts(name, said)

@@ -67,7 +67,9 @@ def case_of(entry: Entry) -> Case:
     """The case of an entry. Raises `OwnCasesError`."""
     name = entry.get("id")
     if not isinstance(name, str) or not NAME.fullmatch(name):
-        raise OwnCasesError(f"id {name!r} is not 'own/' and letters, digits, or any of _ . + -")
+        raise OwnCasesError(
+            f"id {name!r:.200} is not 'own/' and letters, digits, or any of _ . + -"
+        )
     try:
         field = _field(entry)
         kind = Kind(*(int(n) for n in entry["kind"]))
@@ -97,7 +99,7 @@ def _field(entry: Entry) -> Field:
         raise ValueError(f"shape {shape} has more than {MOST_SAMPLES:,} samples")
     kind = np.dtype(str(entry["type"]))
     if kind.kind not in "biuf" or kind.itemsize > 8:
-        raise ValueError(f"type {entry['type']!r} is not one of real numbers")
+        raise ValueError(f"type {entry['type']!r:.200} is not one of real numbers")
     listed = np.array(entry["values"], object).ravel()
     whole = [*([m] if m > 1 else []), *shape]
     if len(listed) != np.prod(whole):
