@@ -17,7 +17,9 @@ import sys
 import tempfile
 import tomllib
 from fnmatch import fnmatch
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from isograde.model import Limits
 from isograde.runner import Options, Task, Worker, cases_for, claims_for, plan
@@ -99,8 +101,7 @@ def differing(one: Verdicts, other: Verdicts) -> list[str]:
 
 def features() -> str:
     """What NumPy would choose between on this processor, as NPY_DISABLE_CPU_FEATURES takes it."""
-    from numpy._core import _multiarray_umath as umath
-
+    umath: Any = import_module("numpy._core._multiarray_umath")
     return " ".join(name for name in umath.__cpu_dispatch__ if umath.__cpu_features__.get(name))
 
 
