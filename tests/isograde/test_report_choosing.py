@@ -206,6 +206,17 @@ def test_versions_say_what_was_mended_and_what_broke() -> None:
     assert 'href="old.html#topology.closed"' in shown
 
 
+def test_a_case_that_was_not_sent_neither_breaks_nor_is_mended() -> None:
+    """A later grader poses what an earlier one left out: that is no change of the library."""
+    both = [named("lib", row("noise/b", topology__closed=said)) for said in ("unsupported", "fail")]
+    for report, version in zip(both, ("0.9", "0.10"), strict=True):
+        report.header["declaration"]["version"] = version
+    for older, newer in (both, both[::-1]):
+        older.header["declaration"]["version"], newer.header["declaration"]["version"] = "1", "2"
+        (trend,) = trends([(older, ""), (newer, "")])
+        assert not trend.steps[0].changes
+
+
 def luminance(colour: str) -> float:
     """Relative luminance of #rrggbb (WCAG 2.2)."""
     parts = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]

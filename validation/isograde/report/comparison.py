@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from isograde.model import Verdict
 from isograde.report import words
 from isograde.report.findings import by_choice
 from isograde.report.headline import anded, by_level, by_topology, standing, titled
@@ -50,12 +51,14 @@ def unlike(reports: Sequence[Report]) -> str:
 def changes(before: Report, after: Report) -> list[Change]:
     """The claims on which some case went from good to bad, or from bad to good."""
     old, new = _bad_cases(before), _bad_cases(after)
+    unsent, unsent_now = _unsent(before), _unsent(after)
     seen = {result["case"] for result in before.results}
     shared = seen & {result["case"] for result in after.results}
     found = []
     for claim in before.claims.keys() & after.claims.keys():
-        broken = new.get(claim, set()) - old.get(claim, set())
-        mended = old.get(claim, set()) - new.get(claim, set())
+        # What was not sent neither held nor failed.
+        broken = new.get(claim, set()) - old.get(claim, set()) - unsent.get(claim, set())
+        mended = old.get(claim, set()) - new.get(claim, set()) - unsent_now.get(claim, set())
         if (broken | mended) & shared:
             states = before.summaries[claim].state, after.summaries[claim].state
             found.append(
@@ -74,6 +77,16 @@ def _bad_cases(report: Report) -> dict[str, set[str]]:
             if report.summaries[name].state == "fail":
                 bad.setdefault(name, set()).add(result["case"])
     return bad
+
+
+def _unsent(report: Report) -> dict[str, set[str]]:
+    """The cases of each claim that were outside the limits, and so not sent."""
+    found: dict[str, set[str]] = {}
+    for result in report.results:
+        for finding in result["findings"]:
+            if finding["verdict"] == Verdict.UNSUPPORTED:
+                found.setdefault(finding["claim"], set()).add(result["case"])
+    return found
 
 
 def claims_of(reports: Sequence[Report]) -> dict[str, JSON]:
