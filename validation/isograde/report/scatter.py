@@ -20,6 +20,8 @@ LEFT, RIGHT, TOP, BOTTOM = 96, 130, 16, 44
 Scale = Callable[[float], float]
 # Names of the front are kept so far apart, in pixels.
 APART = 15
+# A letter of a name is about so wide.
+LETTER = 7.5
 
 
 class Point(NamedTuple):
@@ -59,7 +61,7 @@ def scatter(points: Sequence[Point], peer: str) -> str:
     steps = " ".join(f"{across(one.ratio):.1f},{up(one.height):.1f}" for one in marked)
     parts.append(f'<polyline class="front" points="{steps}"/>')
     names = {point.name for point in marked}
-    taken: list[tuple[float, float]] = []
+    taken: list[tuple[float, float, float]] = []
     others = [point for point in points if point.name not in names]
     for number, point in enumerate(others, 1):
         x, y = across(point.ratio), up(point.height)
@@ -69,9 +71,12 @@ def scatter(points: Sequence[Point], peer: str) -> str:
     for point in marked:
         x, y = across(point.ratio), up(point.height)
         at = y + 4
-        while any(abs(at - other) < APART and abs(x - where) < 200 for where, other in taken):
+        end = x + LETTER * (len(point.name) + 2)
+        while any(
+            abs(at - other) < APART and x < last and first < end for first, last, other in taken
+        ):
             at += APART
-        taken.append((x, at))
+        taken.append((x, end, at))
         mark = f'<circle class="{_kind(point)} best" cx="{x:.1f}" cy="{y:.1f}" r="6"/>'
         text = f'<text class="name" x="{x + 11:.1f}" y="{at:.1f}">{escape(point.name)}</text>'
         parts.append(_linked(point, mark + text))
