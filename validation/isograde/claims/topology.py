@@ -235,7 +235,9 @@ def sides(trial: Trial) -> Finding:
     lattice, kind = lattice_of(trial), trial.kind
     if kind.m > 2 and trial.declaration.interpolant != "tetrahedra":
         return skipped("the samples alone do not fix the degree on faces of dimension 3 and more")
-    if min(lattice.shape) < 2 or (lattice.last - lattice.first < 1).any():
+    # Vertices in cells make a surface in a single layer of cells, whose middles have no extent.
+    least = 1 if trial.declaration.vertices == "edges" else 0
+    if min(lattice.shape) < 2 or (lattice.last - lattice.first < least).any():
         return _without_cells(trial)
     try:
         met = meetings_of(trial)
