@@ -14,7 +14,7 @@ from pathlib import Path
 from bench_extraction import sphere
 from isograde.adapters import open_adapter
 from isograde.model import Adapter, Limits, Request
-from isograde.stopwatch import interleave, machine_state
+from isograde.stopwatch import Machine, interleave
 from isoref.field import Field
 from skimage.measure import marching_cubes
 
@@ -53,12 +53,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/adapters.md"))
     arguments = parser.parse_args()
+    machine = Machine()
     adapter = open_adapter(NAME)
     adapter.open(Limits(seconds=120.0))
     lines = [
         "# What an adapter costs\n",
-        f"{machine_state()}; {NAME}, a sphere in float32; medians of {arguments.rounds} rounds, "
-        "in turn.\n",
         "| samples | direct, ms a call (least to most) | through the adapter, ms | ratio |",
         "| ---: | ---: | ---: | ---: |",
     ]
@@ -66,6 +65,11 @@ def main() -> None:
         lines.append(row(adapter, side, arguments.rounds))
         print(lines[-1], flush=True)
     adapter.close()
+    lines.insert(
+        1,
+        f"{machine.state()}; {NAME}, a sphere in float32; medians of {arguments.rounds} rounds, "
+        "in turn.\n",
+    )
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -21,7 +21,7 @@ from bench_extraction import sphere
 from isograde.adapters import open_adapter
 from isograde.commands.kits import KITS, folder_of, write
 from isograde.model import Adapter, Limits, Request
-from isograde.stopwatch import interleave, machine_state
+from isograde.stopwatch import Machine, interleave
 from isoref.field import Field
 
 PEER = "isoref:marching-vesta-disconnect-L"
@@ -67,10 +67,9 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/kits.md"))
     arguments = parser.parse_args()
+    machine = Machine()
     lines = [
         "# What a call of a program costs\n",
-        f"{machine_state()}; a sphere in float32; medians of {arguments.rounds} rounds, in turn; "
-        f"ratios to {PEER} in its worker process.\n",
         "| samples | implementation | ms a call (least to most) | ratio |",
         "| ---: | --- | ---: | ---: |",
     ]
@@ -80,6 +79,11 @@ def main() -> None:
         for side in arguments.sides:
             lines += rows(adapters, side, arguments.rounds)
             print("\n".join(lines[-len(adapters) :]), flush=True)
+    lines.insert(
+        1,
+        f"{machine.state()}; a sphere in float32; medians of {arguments.rounds} rounds, in turn; "
+        f"ratios to {PEER} in its worker process.\n",
+    )
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -14,7 +14,7 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
-from isograde.stopwatch import interleave, machine_state, peak_memory
+from isograde.stopwatch import Machine, interleave, peak_memory
 from isoref.dyadic import Samples, SlopeBound
 from isoref.fast.dyadic import dyadic_tree, extract_dyadic
 from isoref.fast.simplicial import extract
@@ -188,12 +188,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=root / "reports" / "benchmarks")
     parser.add_argument("--small", action="store_true", help="lower resolutions only")
     options = parser.parse_args()
+    machine = Machine()
     parts = [
         "# Simplicial isosurfaces",
         "",
         (__doc__ or "").split("\n\n")[1].split(" Writes")[0],
-        "",
-        f"{machine_state()}.",
         "",
     ]
     parts += ["## Cost by size", "", *scale(options.small), ""]
@@ -201,6 +200,7 @@ def main() -> None:
     parts += [*GROWTH.splitlines(), ""]
     parts += ["## Peers in space", "", *peers(64 if options.small else 128, 5), ""]
     parts += [*PEERS.splitlines(), ""]
+    parts[4:4] = [f"{machine.state()}.", ""]
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "simplicial.md").write_text("\n".join(parts), encoding="utf-8")
     print(f"wrote {options.out / 'simplicial.md'}")

@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from isograde.stopwatch import machine_state
+from isograde.stopwatch import Machine
 
 NUMPY = ("-c", "import numpy")
 # The contestants, with how many times NumPy's import each may take.
@@ -79,6 +79,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--out", type=Path, default=Path("reports/benchmarks/start.md"))
     asked = parser.parse_args()
+    machine = Machine()
     runs = {words: ("-m", "isograde", *words) for words in MOST}
     ratios: dict[tuple[str, ...], list[float]] = {words: [] for words in runs}
     alone = []
@@ -93,7 +94,7 @@ def main() -> None:
     found = {words: statistics.median(ratios[words]) for words in runs}
     lines = [
         "# What a newcomer waits for\n",
-        f"{machine_state()}; processor time of a new process over that of `import numpy` "
+        f"{machine.state()}; processor time of a new process over that of `import numpy` "
         f"({1000 * statistics.median(alone):.0f} ms), medians of {asked.rounds} rounds in turn.\n",
         "| command | over numpy | at most | modules imported |",
         "| --- | ---: | ---: | ---: |",

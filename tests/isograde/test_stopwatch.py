@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from isograde import stopwatch
 from isograde.stopwatch import (
+    TELLING,
     Cost,
     Machine,
     Timing,
     in_turn,
     interleave,
-    machine_state,
     peak_memory,
 )
 
@@ -39,10 +39,15 @@ def test_a_slower_contestant_has_a_ratio_above_one() -> None:
 
 def test_the_state_of_the_machine_names_versions_and_load() -> None:
     """Every report of a benchmark begins with it."""
-    state = machine_state("VTK 9")
+    machine = Machine()
+    state = machine.state("VTK 9")
     assert np.__version__ in state
     assert f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors" in state
     assert "VTK 9" in state
+    assert "meanwhile" not in state  # Of a moment nobody can tell.
+    time.sleep(TELLING)
+    assert "others used" in machine.state()
+    assert machine.others <= machine.processors
 
 
 def test_ratios_are_taken_round_by_round() -> None:

@@ -28,6 +28,8 @@ import psutil
 
 # Others may use so much of each processor on a machine that is called quiet.
 QUIET = 0.1
+# Of fewer seconds the ticks of the processors' clocks tell nothing.
+TELLING = 0.5
 
 
 class Cost(NamedTuple):
@@ -96,7 +98,8 @@ def quartiles(numbers: Sequence[float]) -> tuple[float, float, float]:
 class Machine:
     """The machine since this was made: what it is, and what others used of its processors.
 
-    What this process and its children use is their own, whether they live or have ended.
+    What this process and its children use is their own, whether they live or have ended. Processors
+    count in ticks of a hundredth of a second, so of less than `TELLING` seconds nothing is said.
     """
 
     def __init__(self) -> None:
@@ -112,8 +115,10 @@ class Machine:
     @property
     def others(self) -> float:
         """How many processors others kept busy until now, on average."""
-        passed = max(self.passed, 1e-3)
-        return max(0.0, (_busy() - self._busy) - (_own() - self._own)) / passed
+        if (passed := self.passed) < TELLING:
+            return 0.0
+        used = ((_busy() - self._busy) - (_own() - self._own)) / passed
+        return min(max(0.0, used), float(self.processors))
 
     @property
     def quiet(self) -> bool:
@@ -125,13 +130,10 @@ class Machine:
 
         more : said of versions beside Python's and NumPy's
         """
-        others = self.others
-        quiet = others <= QUIET * self.processors
-        told = "a quiet machine" if quiet else "a busy machine: the ratios are rough"
-        busy = (
-            f"load {self.load:.1f} on {self.processors} processors when this began; others used "
-            f"{others:.2f} of them meanwhile, {told}"
-        )
+        busy = f"load {self.load:.1f} on {self.processors} processors when this began"
+        if self.passed >= TELLING:
+            told = "a quiet machine" if self.quiet else "a busy machine: the ratios are rough"
+            busy += f"; others used {self.others:.2f} of them meanwhile, {told}"
         versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
         return ", ".join([platform.machine(), versions, *more, busy])
 
@@ -153,11 +155,6 @@ def _own() -> float:
             used = child.cpu_times()
             total += used.user + used.system + used.children_user + used.children_system
     return total
-
-
-def machine_state(*others: str) -> str:
-    """The machine, the versions, and the load at this moment, in one sentence."""
-    return Machine().state(*others)
 
 
 def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5) -> list[Timing]:
