@@ -115,7 +115,11 @@ class Machine:
     @property
     def others(self) -> float:
         """How many processors others kept busy until now, on average."""
-        if (passed := self.passed) < TELLING:
+        return self._used(self.passed)
+
+    def _used(self, passed: float) -> float:
+        """The same of so many seconds."""
+        if passed < TELLING:
             return 0.0
         used = ((_busy() - self._busy) - (_own() - self._own)) / passed
         return min(max(0.0, used), float(self.processors))
@@ -131,9 +135,12 @@ class Machine:
         more : said of versions beside Python's and NumPy's
         """
         busy = f"load {self.load:.1f} on {self.processors} processors when this began"
-        if self.passed >= TELLING:
-            told = "a quiet machine" if self.quiet else "a busy machine: the ratios are rough"
-            busy += f"; others used {self.others:.2f} of them meanwhile, {told}"
+        passed = self.passed
+        if passed >= TELLING:
+            others = self._used(passed)
+            quiet = others <= QUIET * self.processors
+            told = "a quiet machine" if quiet else "a busy machine: the ratios are rough"
+            busy += f"; others used {others:.2f} of them meanwhile, {told}"
         versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
         return ", ".join([platform.machine(), versions, *more, busy])
 
