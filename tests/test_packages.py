@@ -13,7 +13,10 @@ ROOT = Path(__file__).parent.parent
 SETTING = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = SETTING["project"]
 HOME = SETTING["tool"]["hatch"]["metadata"]["hooks"]["custom"]["home"]
-LIGHT = {"numpy", "scipy", "typer", "rich", "jinja2", "jsonschema", "psutil", "cloudpickle"}
+LIGHT = {
+    "numpy", "scipy", "typer", "rich", "jinja2", "jsonschema", "fastjsonschema", "psutil",
+    "cloudpickle",
+}  # fmt: skip
 BASE_MEGABYTES = 300
 
 
@@ -23,7 +26,10 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def test_the_base_install_is_what_the_design_says() -> None:
-    """Design, dependencies; cloudpickle beside them for functions of a notebook."""
+    """Design, dependencies.
+
+    Beside them cloudpickle, for functions of a notebook, and the compiled schema of reports.
+    """
     assert names(PROJECT["dependencies"]) == LIGHT
     extras = PROJECT["optional-dependencies"]
     assert "weasyprint" in names(extras["dossier"])

@@ -446,14 +446,6 @@ def singles_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     return cubes(values, isovalue, spacing)
 
 
-@correct(limits={"types": ["uint8"]})
-def bytes_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
-    """Takes bytes, as scanners give them, and nothing else."""
-    if values.dtype.name != "uint8":
-        raise TypeError(f"expected uint8, not {values.dtype}")
-    return cubes(values, isovalue, spacing)
-
-
 @correct(limits={"cubes": True, "least": 2, "greatest": 96})
 def cubes_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     """Takes as many samples along each axis, 2 to 96."""
@@ -542,3 +534,19 @@ def periodic(values: Array, isovalue: float, spacing: Spacing) -> Answer:
     Vertices run from 0 to N samples; those in the last plane repeat those in the first.
     """
     return cubes(np.pad(checked(values, isovalue), (0, 1), mode="wrap"), isovalue, spacing)
+
+
+# --------------------------------------------------------------------------------------------
+# Those that take so little that a field must be posed for them
+# --------------------------------------------------------------------------------------------
+
+
+def bytes_only(values: Array, isovalue: float, spacing: Spacing) -> Answer:
+    """Takes bytes, as scanners give them, and nothing else."""
+    if values.dtype.name != "uint8":
+        raise TypeError(f"expected uint8, not {values.dtype}")
+    return cubes(values, isovalue, spacing)
+
+
+NARROW = {"bytes_only": Family(bytes_only, {"limits": {"types": ["uint8"]}})}
+"""Judged with the others by the grader, which poses fields within these limits."""

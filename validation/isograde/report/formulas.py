@@ -15,7 +15,7 @@ from math import prod
 
 import numpy as np
 
-from isograde.cases.accuracy import TUBE, Body, row
+from isograde.cases.accuracy import QUALITY, TUBE, Body, row
 from isograde.cases.cost import PASSES, SHAPES
 from isograde.model import Case
 from isograde.oracles.known_manifolds import Manifold
@@ -283,7 +283,7 @@ def of_case(case: Case, seed: int = 0) -> str | None:
         spacing = (0.5, 2.0) if name == "border" else (0.3, 0.3)
         return PLANE + CONTOURS[name] + PLACED.format(spacing=spacing)
     if family == "accuracy":
-        return _row(name)
+        return _row(case.facts.get("row", QUALITY))
     if family == "cost":
         return _noise(case, seed)
     known = case.facts.get("manifold")

@@ -74,8 +74,7 @@ static inline const char *isograde_after(const char *line, const char *key) {
 static inline int isograde_list(const char *at, double numbers[3]) {
     int count = 0;
     for (; *at && *at != ']'; at += strcspn(at, ",]"), at += *at == ',', count++)
-        if (count < 3 && sscanf(at + strspn(at, " \""), "%lf", numbers + count) != 1)
-            numbers[count] = NAN;
+        if (count < 3 && sscanf(at + strspn(at, " \""), "%lf", numbers + count) < 1) numbers[count] = NAN;
     return count;
 }
 

@@ -59,8 +59,7 @@ std::array<double, count> list(const std::string &line, const std::string &key) 
     const char *at = text.c_str();
     for (auto &one : numbers) {
         char *end;
-        at += std::strspn(at, " \"");
-        one = std::strtod(at, &end), one = end == at ? NAN : one;
+        one = std::strtod(at += std::strspn(at, " \""), &end), one = end == at ? NAN : one;
         at += std::strcspn(at, ",") + 1;
     }
     return numbers;
