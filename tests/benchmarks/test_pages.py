@@ -19,7 +19,8 @@ def test_a_page_says_whether_the_machine_was_quiet(
     others: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While it was made, not only when it began; and its plots stand beside it."""
-    monkeypatch.setattr(Machine, "others", property(lambda self: others))
+    monkeypatch.setattr(Machine, "passed", 10.0)
+    monkeypatch.setattr(Machine, "_used", lambda self, passed: others)
     page = Page("A title", "how")
     page.table(["a", "b"], [["1", "2"]])
     page.plot("line", curves("t", "x", "y", [Series("s", [(1, 1), (2, 4)])]))
