@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 from isograde import cluster
 from isograde.cluster import Judge
@@ -57,8 +58,10 @@ def test_a_judge_answers_as_a_worker_of_this_process_does() -> None:
 
 def test_what_keeps_a_judge_from_its_work_is_raised_where_it_was_asked() -> None:
     """An implementation that does not start, a case that there is not, an end without a word."""
+    before = set(psutil.Process().children())
     with pytest.raises(AdapterError, match="nowhere"):
         Judge("python:nowhere:extract", Options(), ".")
+    assert set(psutil.Process().children()) <= before  # It is gone with its pipes.
     judge = Judge(FLAWED, Options(), "no such folder")
     with pytest.raises(KeyError, match="no/such/case"):
         judge.judged([Task("no/such/case", ("topology.closed",))])

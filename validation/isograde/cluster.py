@@ -167,7 +167,11 @@ class Judge:
             stdout=subprocess.PIPE,
             cwd=folder if Path(folder).is_dir() else None,
         )
-        self._asked((spec, options, sys.path))
+        try:
+            self._asked((spec, options, sys.path))
+        except BaseException:
+            self.close()
+            raise
 
     def judged(self, tasks: Sequence[Task]) -> list[Judged]:
         """The tasks judged."""
