@@ -3,7 +3,6 @@
 import io
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -92,19 +91,6 @@ def test_judges_are_used_again_and_gone_when_their_run_is_over() -> None:
     cluster.release("one run")
     assert judge.process.returncode == 0
     assert cluster._IDLE["one run"] is None
-
-
-@pytest.fixture(scope="module")
-def client() -> Iterator[Any]:
-    """Two workers in processes of their own."""
-    distributed: Any = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, memory_limit=0
-        ) as found,
-        distributed.Client(found) as client,
-    ):
-        yield client
 
 
 @pytest.mark.slow

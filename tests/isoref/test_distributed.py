@@ -2,7 +2,6 @@
 
 import os
 import signal
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -109,19 +108,6 @@ def test_what_cannot_be_extracted_is_told_before_anything_is_computed() -> None:
     holed[7, 3, 3] = np.inf
     with pytest.raises(FieldError, match=r"sample \(3, 3, 3\) is inf"):
         extract(arrays.from_array(holed, chunks=(4, 9, 10)), 0.3)
-
-
-@pytest.fixture(scope="module")
-def client() -> Iterator[Any]:
-    """Two workers in processes of their own."""
-    distributed: Any = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, memory_limit=0
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client
 
 
 def killing(samples: Any, flag: str) -> Any:
