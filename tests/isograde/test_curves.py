@@ -168,6 +168,7 @@ def test_cases_sample_the_known_curves() -> None:
     assert case.facts["closed"] == 1
     assert CURVES["curves/two-isovalues"].isovalues == (0.7, -1.3)
     assert {f"curves/{make().name}" for make in space_curves.KNOWN} <= set(CURVES)
+    assert len(DIRECTED) == 3
 
 
 DIRECTED = [name for name, case in CURVES.items() if "directed" in case.tags]
