@@ -80,7 +80,7 @@ papers: $(STAMP)
 	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
 reports: $(STAMP)
-	$(BIN)/isograde grade --all --out reports/implementations || [ $$? -eq 1 ]
+	$(BIN)/isograde grade --all --packed --out reports/implementations || [ $$? -eq 1 ]
 
 packages: $(STAMP)
 	rm -rf dist

@@ -280,3 +280,29 @@ def test_an_inner_vertex_close_to_a_face_stands_in_it_beside_a_saddle_that_is_cl
     assert judged("vertices", one).verdict is Verdict.PASS
     count = next(claim for claim in cells.CLAIMS if claim.id == "cells.count")
     assert count.judge(one).verdict is Verdict.PASS
+
+
+@pytest.mark.parametrize("near", [0.5, 1e-8])
+def test_a_caps_vertex_that_is_rounded_into_the_plane_of_a_sample_is_none_out_of_place(
+    near: float,
+) -> None:
+    """OpenVDB 10.0.1 was accused of one (magnitudes/mixed-30): 1e-8 beyond the corner's sample.
+
+    Nets of the field padded with the background; the last sample is hardly above the isovalue.
+    """
+    values = np.array([-1, 1, 1, 1, 1, 1, 1, -1, 1, 1, 1, near]).reshape(2, 3, 2)
+    padded = np.pad(values, 1, constant_values=-1.0)
+    nets = CORRECT["nets"].function(padded, 0.0, (1, 1, 1))
+    points, simplices = nets[0] - 1.0, nets[1]
+    says = {"vertices": "cells", "domain": {"inset": -1.0, "end": "closed"}}
+    declared = declaration_from(says, "padded")
+    rounded = points.astype(np.float32).astype(np.float64)
+    assert (near == 1e-8) == (rounded == (1, 2, 1)).all(axis=1).any()
+    finding = judged("vertices", of(Field.of(values), rounded, simplices, declared))
+    assert finding.verdict is Verdict.PASS, finding.detail
+    # A vertex in the plane of a sample that is outside has no such excuse.
+    moved = rounded.copy()
+    moved[0] = (0, 0, -0.7)
+    assert (
+        judged("vertices", of(Field.of(values), moved, simplices, declared)).verdict is Verdict.FAIL
+    )

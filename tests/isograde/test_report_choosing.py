@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import isograde.report
+import numpy as np
 import pytest
 from isograde.report.choosing import NEEDS, About, answers, choosing_page, pages, twelve_lines
 from isograde.report.page import page as page_of
 from isograde.report.reading import Report
-from isograde.report.scatter import Point, front
+from isograde.report.scatter import RADIUS, Places, Point, front, scatter
 from isograde.report.speed import measured
 from isograde.report.trend import trends
 from isograde.report.viewer import beside, explorer
@@ -163,6 +164,48 @@ def test_the_front_is_what_no_other_beats_in_both() -> None:
         Point("as fast and lower", "", 0.5, 0.5, False),
     ]
     assert [one.name for one in front(points)] == ["fast and low", "slow and high"]
+
+
+def test_no_label_of_the_picture_covers_another_or_a_point() -> None:
+    """Many of one level and nearly one speed: each label has a place of its own."""
+    points = [(120.0 + 9 * (n // 4), 200.0 + 2 * (n % 4)) for n in range(80)]
+    places = Places(points)
+    for at in points:
+        places.place(at, (15.0, 14.0))
+    boxes = places.taken
+    assert len(boxes) == 160
+    for n, box in enumerate(boxes[80:], 80):
+        apart = (box[:2] >= boxes[:n, 2:]) | (box[2:] <= boxes[:n, :2])
+        assert apart.any(axis=1).all(), n
+    middles = (boxes[80:, :2] + boxes[80:, 2:]) / 2
+    away = np.hypot(*(middles - np.array(points)).T)
+    assert away.min() > RADIUS
+    assert away.max() < 120
+
+
+@pytest.mark.slow
+def test_the_letters_of_the_picture_do_not_cover_each_other_in_a_browser(tmp_path: Path) -> None:
+    """The sizes that letters are taken to have are no smaller than what a browser draws."""
+    points = [
+        Point(f"wide-method-{n % 7}{n}", "#", 1.5 ** (n % 9 - 4), n % 5 + n / 99, n % 3 == 0)
+        for n in range(80)
+    ]
+    told = found(
+        f"<style>{(TEMPLATES / 'choosing.css').read_text(encoding='utf-8')}</style>"
+        f"<body>{scatter(points, 'peer')}</body>",
+        """
+        const boxes = [...document.querySelectorAll(".number, .name")].map((one) => one.getBBox());
+        let covered = 0;
+        boxes.forEach((a, n) => boxes.slice(n + 1).forEach((b) => {
+          const x = Math.min(a.x + a.width, b.x + b.width) - Math.max(a.x, b.x);
+          const y = Math.min(a.y + a.height, b.y + b.height) - Math.max(a.y, b.y);
+          covered += x > 1 && y > 4;
+        }));
+        return { labels: boxes.length, covered };
+        """,
+        tmp_path,
+    )
+    assert told == {"labels": 80, "covered": 0}
 
 
 def test_fast_and_small_are_answered_where_they_were_measured() -> None:

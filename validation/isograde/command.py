@@ -101,6 +101,7 @@ def _finite(value: float | None) -> float | None:
 
 GRADE_HELP = "python:module:function, exec:command, dir:path, or a ready-made name (list them)."
 Spec = Annotated[str, typer.Argument(metavar="IMPLEMENTATION", help=GRADE_HELP)]
+PACKED_HELP = "Pages of a sixth of the size, which the browser unpacks."
 
 
 @app.command()
@@ -132,6 +133,7 @@ def grade(
         list[Format] | None,
         typer.Option("--format", help="Beside the JSON lines; by default all of them."),
     ] = None,
+    packed: Annotated[bool, typer.Option("--packed", help=PACKED_HELP)] = False,
     strict: Annotated[
         bool,
         typer.Option(
@@ -193,10 +195,10 @@ def grade(
     kinds = [kind.value for kind in formats or Format]
     out = out or Path("report/only" if only else "report")
     if implementation is None:
-        grading.grade_all(options, out, kinds, strict, resume)
+        grading.grade_all(options, out, kinds, strict, resume, pack=packed)
     else:
         known = grading.Known(expect, write_expect)
-        grading.grade_one(implementation, options, out, kinds, strict, resume, known)
+        grading.grade_one(implementation, options, out, kinds, strict, resume, known, pack=packed)
 
 
 @app.command(name="search")
@@ -409,6 +411,26 @@ def join(
 
 
 @app.command()
+def render(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="REPORT...", help="Reports, or their folders.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where to; by default beside each report.")
+    ] = None,
+    formats: Annotated[
+        list[Format] | None, typer.Option("--format", help="By default the page alone.")
+    ] = None,
+    packed: Annotated[bool, typer.Option("--packed", help=PACKED_HELP)] = False,
+) -> None:
+    """Write the pages of reports again, from their JSON lines."""
+    from isograde.commands import rendering
+
+    kinds = [kind.value for kind in formats or [Format.HTML]]
+    rendering.render(files, out, kinds, pack=packed)
+
+
+@app.command()
 def dossier(
     implementation: Annotated[
         str | None,
@@ -454,11 +476,12 @@ def compare(
     choose: Annotated[
         bool, typer.Option("--choose", help="The page to choose by instead, a row each: .html.")
     ] = False,
+    packed: Annotated[bool, typer.Option("--packed", help=PACKED_HELP)] = False,
 ) -> None:
     """Lay reports side by side: claims down, implementations across."""
     from isograde.commands import comparing
 
-    comparing.compare(files, out, choose=choose)
+    comparing.compare(files, out, choose=choose, pack=packed)
 
 
 @app.command()

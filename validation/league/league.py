@@ -42,6 +42,7 @@ from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
 from isograde.report.headline import headline
 from isograde.report.lines import lines
+from isograde.report.packed import packed
 from isograde.report.reading import Report, read
 from isograde.report.speed import Measured, measured
 from isograde.runner import NothingToRun, Options, processors
@@ -238,7 +239,7 @@ def grade(package: Package, method: str, only: Sequence[str] = ()) -> None:
             found = graded(f"exec:{package.command(method)}", options, path, watch=watch)
     except (AdapterError, NothingToRun) as error:
         raise LeagueError(f"{method}: {error}") from error
-    reports.write(found, REPORTS, method, ["html"])
+    reports.write(found, REPORTS, method, ["html"], pack=True)
     print(headline(found), flush=True)
 
 
@@ -266,7 +267,7 @@ def _about(said: Mapping[str, Any], calls: str) -> About:
     return About(**{word: said[word] for word in words}, calls=calls)
 
 
-def page() -> Path:
+def page(*, plain: bool = False) -> Path:
     """``reports/league/index.html``, of the league's reports and the ready-made names'.
 
     Only reports of the present plan stand beside each other; of the others it is said.
@@ -299,7 +300,8 @@ def page() -> Path:
     reports.write_whole(REPORTS / "league.md", best)
     reports.write_whole(README, between(README.read_text(encoding="utf-8"), best))
     text = choosing_page(found, links, known, absent, costs(), versions())
-    return reports.write_whole(REPORTS / "index.html", text)
+    again = "python validation/league/league.py --page --plain"
+    return reports.write_whole(REPORTS / "index.html", text if plain else packed(text, again))
 
 
 def between(text: str, best: str) -> str:
@@ -344,6 +346,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--build", action="store_true", help="build only")
     parser.add_argument("--again", action="store_true", help="build and grade anew")
     parser.add_argument("--page", action="store_true", help="write the page of what is there")
+    parser.add_argument("--plain", action="store_true", help="do not pack that page")
     parser.add_argument("--list", action="store_true", help="name the methods, and do nothing")
     parser.add_argument("--only", nargs="*", default=[], help="globs of claims or cases")
     given = parser.parse_args(arguments)
@@ -361,7 +364,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for package in chosen if not given.page else ():
         failed += not _row(package, given)
     if not given.build:
-        print(page())
+        print(page(plain=given.plain))
     return int(failed > 0)
 
 

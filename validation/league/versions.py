@@ -120,7 +120,7 @@ def grade(package: Version, method: str) -> None:
             found = graded(spec, options, path, watch=watch)
     except (AdapterError, NothingToRun) as error:
         raise league.LeagueError(f"{method} {package.said['version']}: {error}") from error
-    reports.write(found, KEPT, path.name.removesuffix(".jsonl.gz"), ["html"])
+    reports.write(found, KEPT, path.name.removesuffix(".jsonl.gz"), ["html"], pack=True)
     print(headline(found), flush=True)
 
 

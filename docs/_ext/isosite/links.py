@@ -16,6 +16,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from isograde.report.packed import unpacked
+
 
 class Page(HTMLParser):
     """The anchors of a page, and what it links to."""
@@ -24,7 +26,7 @@ class Page(HTMLParser):
         super().__init__(convert_charrefs=True)
         self.anchors: set[str] = set()
         self.links: list[str] = []
-        self.feed(path.read_text(encoding="utf-8"))
+        self.feed(unpacked(path.read_text(encoding="utf-8")))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Keep what an element names and links to."""

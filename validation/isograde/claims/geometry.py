@@ -182,8 +182,10 @@ def _ends(lattice: Lattice, places: Floats) -> tuple[Booleans, Booleans]:
         at = np.abs(x - lattice.first[axis]) <= lattice.tolerance
         at |= np.abs(x - lattice.last[axis]) <= lattice.tolerance
         if end.inset < 0 or end.end == "closed":
-            at |= x < 0
-            at |= x > last[axis] + (end.end == "periodic")
+            # A cap's vertex just beyond a sample may be rounded into the sample's plane.
+            near = lattice.tolerance if end.end == "closed" and end.inset < 0 else 0.0
+            at |= x < near
+            at |= x > last[axis] + (end.end == "periodic") - near
         if end.end == "closed":
             capped |= at
         elif end.inset % 1:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from urllib.parse import quote
 
 import typer
 from rich.markup import escape
@@ -12,11 +14,29 @@ from isograde import report as reports
 from isograde.commands.console import Exit, console, errors, say, stop
 from isograde.report import choosing, comparison, lines, reading, words
 from isograde.report.headline import by_level, headline
+from isograde.report.packed import packed
+
+# How a page is written plain: a matrix, and rows to choose by.
+AGAIN = ("REPORT.. --out comparison.html", "REPORT.. --choose --out choose.html")
+
+
+def file_of(path: Path) -> Path:
+    """The file of a report: the path, or in a folder what `isograde grade` writes there."""
+    return path / "report.jsonl" if path.is_dir() else path
+
+
+def page_beside(path: Path, out: Path) -> str:
+    """The way from a page to that of a report, where the report's page stands beside its lines."""
+    place = file_of(path)
+    page = place.with_name(place.name.removesuffix(".gz").removesuffix(".jsonl") + ".html")
+    if not page.exists():
+        return ""
+    return quote(os.path.relpath(page.resolve(), out.resolve().parent).replace(os.sep, "/"))
 
 
 def read_report(path: Path) -> reading.Report:
     """The report in a file or in a folder."""
-    place = path / "report.jsonl" if path.is_dir() else path
+    place = file_of(path)
     try:
         found = reading.read(place)
     except lines.ReportError as error:
@@ -46,8 +66,13 @@ def diff(before: Path, after: Path) -> None:
     raise typer.Exit(Exit.FAILS if any(change.broken for change in found) else Exit.HOLDS)
 
 
-def compare(files: list[Path], out: Path | None, *, choose: bool = False) -> None:
-    """Reports are printed side by side, or written to `out`: a matrix, or rows to choose by."""
+def compare(
+    files: list[Path], out: Path | None, *, choose: bool = False, pack: bool = False
+) -> None:
+    """Reports are printed side by side, or written to `out`: a matrix, or rows to choose by.
+
+    Pages that stand beside the reports are linked to.
+    """
     if choose and (out is None or out.suffix != ".html"):
         stop(Exit.WRONG_USE, "--choose writes a page: name an .html file with --out")
     found = [read_report(path) for path in files]
@@ -56,10 +81,9 @@ def compare(files: list[Path], out: Path | None, *, choose: bool = False) -> Non
     if out is not None:
         if out.suffix not in {".html", ".md"}:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
-        if choose:
-            text = choosing.choosing_page(found, {})
-        elif out.suffix == ".html":
-            text = comparison.comparison_page(found, [""] * len(found))
+        if out.suffix == ".html":
+            text = _page(found, [page_beside(path, out) for path in files], choose)
+            text = packed(text, f"isograde compare {AGAIN[choose]}") if pack else text
         else:
             text = comparison.markdown_table(found)
         try:
@@ -73,6 +97,16 @@ def compare(files: list[Path], out: Path | None, *, choose: bool = False) -> Non
         for one in sorted(found, key=order):
             say(f"  {escape(headline(one))}")
     console.print(_table(sorted(found, key=by_level)))
+
+
+def _page(found: list[reading.Report], links: list[str], choose: bool) -> str:
+    """Reports side by side, or rows to choose by."""
+    if not choose:
+        return comparison.comparison_page(found, links)
+    named = [one.name for one in found]
+    # Of reports of one name, two runs say, a link would lead to the wrong one.
+    alone = {name: link for name, link in zip(named, links, strict=True) if named.count(name) == 1}
+    return choosing.choosing_page(found, alone)
 
 
 def _table(found: list[reading.Report]) -> Table:

@@ -37,6 +37,7 @@ from isograde.report.findings import causes
 from isograde.report.headline import choices, headline, listed
 from isograde.report.joining import JoinError, join
 from isograde.report.lines import write_lines
+from isograde.report.packed import packed
 from isograde.runner import NothingToRun, NotKnown, Options
 
 
@@ -66,6 +67,8 @@ def grade_one(
     strict: bool = False,
     resume: bool | None = None,
     known: Known = Known(),
+    *,
+    pack: bool = False,
 ) -> None:
     """One implementation graded, its report written and told."""
     warn_of_foreign(spec)
@@ -73,7 +76,7 @@ def grade_one(
     with _faults_told(path):
         result = _grade(spec, options, path, resume, expectations(known.read))
         place = place_of(path, result)
-        pages = reports.write(result, out, place.stem, kinds)
+        pages = reports.write(result, out, place.stem, kinds, pack=pack)
         finished(path, result)
         _tell(result)
         if known.written is not None:
@@ -196,6 +199,8 @@ def grade_all(
     kinds: list[str],
     strict: bool = False,
     resume: bool | None = None,
+    *,
+    pack: bool = False,
 ) -> None:
     """Every ready-made implementation graded, a page each, and a comparison."""
     done: dict[str, reading.Report] = {}
@@ -219,7 +224,8 @@ def grade_all(
             stop(Exit.WRONG_USE, str(error.args[0]))
         except NothingToRun:
             continue  # What was asked for is not of its kinds.
-        reports.write(found_one, out, place_of(path, found_one).name.split(".")[0], kinds)
+        kept = place_of(path, found_one).name.split(".")[0]
+        reports.write(found_one, out, kept, kinds, pack=pack)
         finished(path, found_one)
         if _status(found_one, path, strict) is Exit.STOPPED:
             raise typer.Exit(Exit.STOPPED)
@@ -230,6 +236,8 @@ def grade_all(
     links = [f"{stem}.html" if "html" in kinds else "" for stem in done]
     found = list(done.values())
     page = comparison.comparison_page(found, links, absent)
+    if pack:
+        page = packed(page, "isograde compare *.jsonl.gz --out comparison.html")
     place = reports.write_whole(out / "comparison.html", page)
     reports.write_whole(out / "comparison.md", comparison.markdown_table(found))
     say(f"\ncomparison: [bold]{escape(str(place))}[/]")

@@ -8,6 +8,7 @@ from pathlib import Path
 from isograde.report.badge import badge, shields
 from isograde.report.junit import junit
 from isograde.report.markdown import markdown
+from isograde.report.packed import packed
 from isograde.report.page import page
 from isograde.report.reading import Report
 from isograde.report.viewer import EXPLORER, beside, explorer
@@ -21,18 +22,27 @@ FORMATS: dict[str, tuple[str, Callable[[Report], str]]] = {
 }
 
 
-def write(report: Report, folder: Path, stem: str, formats: Iterable[str]) -> list[Path]:
+def write(
+    report: Report, folder: Path, stem: str, formats: Iterable[str], *, pack: bool = False
+) -> list[Path]:
     """The files of these formats, each written whole or not at all.
 
     Beside a page stands the explorer, which its failing cases open in.
+
+    pack : the page is packed, and says how it is written plain from the lines beside it
     """
     formats = tuple(formats)
     if "html" in formats and explorer() is not None:
         write_whole(folder / EXPLORER, beside(folder))
-    return [
-        write_whole(folder / f"{stem}{FORMATS[name][0]}", FORMATS[name][1](report))
-        for name in formats
-    ]
+    written = []
+    for name in formats:
+        ending, made = FORMATS[name]
+        text = made(report)
+        if pack and name == "html":
+            ending_of_lines = "jsonl.gz" if (folder / f"{stem}.jsonl.gz").exists() else "jsonl"
+            text = packed(text, f"isograde render {stem}.{ending_of_lines}")
+        written.append(write_whole(folder / f"{stem}{ending}", text))
+    return written
 
 
 def write_whole(path: Path, text: str) -> Path:
