@@ -173,6 +173,8 @@ class IndexedSurface:
 
 def _led(u: Floats, triangles: Integers, inside: NDArray[np.bool_]) -> Floats:
     """The motions u (V, 3), those of vertices `inside` cells led by their neighbours on edges."""
+    # Sort the sides of those triangles alone that have such a vertex: mostly there are none.
+    triangles = triangles[inside[triangles].any(axis=1)]
     sides = np.unique(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=0)
     sides = np.unique(np.concatenate([sides, sides[:, ::-1]]), axis=0)
     start, stop = sides[inside[sides[:, 0]] & ~inside[sides[:, 1]]].T

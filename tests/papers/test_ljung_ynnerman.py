@@ -150,6 +150,7 @@ def test_the_whole_program_runs_without_real_data(
     methods = (tmp_path / "ljung_ynnerman" / "methods.md").read_text(encoding="utf-8")
     assert len(tables) == 11
     assert "readings fit the print" in waves
+    assert "load" in waves
     assert "Skipped: no pictures here." in waves
     assert "## Ambiguous faces: the rules beside the true field" in methods
     assert "## The greedy joining's threshold" in methods
@@ -216,9 +217,25 @@ def test_every_reading_of_the_lines_is_counted(
         return 6.0
 
     lines = module("ljung_lines")
-    printed = [99.2, 0.15, 0.24, 0.26, 0.12, 0.03]
-    text, fitting = lines.readings(reproduce.SAMPLERS, 20, range(2), printed, match)
+    printed = reproduce.PRINTED["table_1"]
+    text = lines.readings(reproduce.SAMPLERS, 20, range(2), printed, match)
     rows = [line for line in text.splitlines() if line.startswith(("| eq. 5", "| eq. 6"))]
     assert len(rows) > 10
     assert all(row.count("(") >= 5 for row in rows)
-    assert f"{len(fitting)} of {len(rows)} readings fit the print" in text
+    fitting = sum(row.endswith((" | yes | yes |", " | yes | no |")) for row in rows)
+    both = sum(row.endswith(" | yes | yes |") for row in rows)
+    assert f"The lines of {fitting} of {len(rows)} readings fit the print" in text
+    assert f"Both surfaces fit as well in {both}: " in text
+
+
+def test_a_reading_that_is_far_from_the_print_does_not_fit(
+    module: Callable[[str], ModuleType],
+) -> None:
+    """Draws round the print fit; the same draws a deviation of ten away do not."""
+    lines = module("ljung_lines")
+    printed = {"lines": [99.2, 0.15, 0.24, 0.26, 0.12, 0.03]}
+    row = np.array([*printed["lines"], 0, 0])
+    draws = [{"lines": row + wiggle} for wiggle in (-0.003, 0.0, 0.003, 0.001)]
+    assert not lines.fit(draws, printed, {"lines": range(1, 6)}).differing()
+    away = [{"lines": one["lines"] + 0.06} for one in draws]
+    assert len(lines.fit(away, printed, {"lines": range(1, 6)}).differing()) == 5
