@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -80,6 +82,13 @@ def tables_at_hand() -> tuple[str, ...]:
     return (*TABLES, BOURKE)
 
 
+def mixing(sampler: Sampler, waves: int) -> Sampler:
+    """The sampler with this many waves: itself where that is what it takes when it is not told."""
+    if signature(sampler).parameters["count"].default == waves:
+        return sampler
+    return partial(sampler, count=waves)
+
+
 def shares(counts: NDArray[np.int64], voxels: int) -> Floats:
     """(8,) percentages of voxels with 0 to 7 primitives, from the counts of 1, 2, .. of them."""
     found = np.zeros(8)
@@ -101,10 +110,7 @@ def draw(
     found: dict[Reading, Shares] = {}
     voxels = (side - 1) ** 3
     for waves in WAVES:
-
-        def mixed(shape: tuple[int, ...], k: float, *, seed: int, waves: int = waves) -> Complex:
-            return sampler(shape, k, count=waves, seed=seed)
-
+        mixed = mixing(sampler, waves)
         k = match(mixed, side, seed)
         pair = real_and_imaginary(mixed((side,) * 3, k, seed=seed), 1 / (side - 1))
         for tables in tables_at_hand() if waves == WAVES[-1] else tables_at_hand()[::3]:

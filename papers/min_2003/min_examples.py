@@ -110,6 +110,34 @@ def leaf(half: float) -> Example:
     return Example(psi, -ends, ends, np.full((1, 2), np.inf))
 
 
+def printed_angle(x: Floats) -> Floats:
+    """arctan(y / x), as sections 7.2 and 7.3 print it: half of all angles; 0 where both are 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nan_to_num(np.arctan(x[:, 1] / x[:, 0]), nan=0.0)
+
+
+def printed_leaf(N: int) -> Example:
+    """Section 7.2 letter for letter: a_i = -1 + 2 i / N for i in 1 .. N, psi by arctan(y / x).
+
+    Its lattice has N samples a side, N - 1 cells.
+    """
+
+    def psi(x: Floats) -> Floats:
+        return (np.hypot(x[:, 0], x[:, 1]) - leaf_radius(printed_angle(x)))[:, None]
+
+    return Example(psi, np.full(2, -1 + 2 / N), np.ones(2), np.full((1, 2), np.inf))
+
+
+def on_printed_lattice(example: Example, N: int) -> Example:
+    """The same function on the lattice that section 7.2 prints: 1 .. N, not 0 .. N.
+
+    Its lattice has N samples a side, N - 1 cells.
+    """
+    low = np.array([-1 + 2 / N, -1 + 2 / N, 2 * pi / N])[: len(example.low)]
+    high = np.array([1.0, 1.0, 2 * pi])[: len(example.low)]
+    return Example(example.phi, low, high, example.slopes)
+
+
 def lifted_leaf(half: float) -> Example:
     """Section 7.2, the same curve with its angle as a third coordinate, n = 3, m = 2."""
 
@@ -137,6 +165,20 @@ def spindle() -> Example:
 
     ends = np.full(3, 2.0) * 1.05
     return Example(psi, -ends, ends, np.full((1, 3), np.inf))
+
+
+def printed_spindle(N: int, letter: bool) -> Example:
+    """Section 7.3 on its printed lattice, a_i = -2 + 4 i / N for i in 1 .. N: psi by arctan(y / x).
+
+    letter : whether psi is taken letter for letter; else by the angle from the axis
+    """
+
+    def psi(x: Floats) -> Floats:
+        r = np.linalg.norm(x, axis=1)
+        return (r - 1 - np.cos(2 * printed_angle(x)))[:, None]
+
+    low, high = np.full(3, -2 + 4 / N), np.full(3, 2.0)
+    return Example(psi if letter else spindle().phi, low, high, np.full((1, 3), np.inf))
 
 
 def lifted_spindle() -> Example:

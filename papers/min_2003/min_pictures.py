@@ -55,14 +55,18 @@ def segments_2d(axes: Axes, mesh: Mesh, kept: Sequence[int] = (0, 1)) -> None:
     axes.set_aspect("equal")
 
 
-def segments_3d(axes: Axes, mesh: Mesh, low: Floats, high: Floats, colour: str = COOL) -> None:
-    """The segments of a mesh in a box."""
+def segments_3d(
+    axes: Axes, mesh: Mesh, low: Floats, high: Floats, names: tuple[str, str, str]
+) -> None:
+    """The segments of a mesh in a box whose axes have these names."""
     axes.add_collection3d(  # type: ignore[attr-defined]
-        Line3DCollection(list(mesh.vertices[mesh.simplices]), colors=colour, linewidths=1.4)
+        Line3DCollection(list(mesh.vertices[mesh.simplices]), colors=COOL, linewidths=1.4)
     )
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):  # type: ignore[attr-defined]
-        axis.set_major_locator(MaxNLocator(4))
+        # Two ends of axes meet at a corner of the box: keep their numbers apart.
+        axis.set_major_locator(MaxNLocator(4, prune="both"))
 
 
 def render(mesh: Mesh, normals: Floats, eye: Sequence[float], pixels: int = 360) -> Floats:
@@ -137,8 +141,8 @@ def sphere(path: Path, title: str, image: Floats, off: Mapping[int, tuple[Floats
     for colour, (N, (height, error)) in zip(shades, reversed(off.items()), strict=True):
         right.plot(height, error, ".", ms=3, mew=0, color=colour, label=f"N = {N}", rasterized=True)
     right.axhline(0, color=INK, lw=1)
-    right.set_title("(radius - sqrt(3)/2) / (edge of a cell)^2", fontsize=10)
-    right.set_xlabel("z")
-    right.legend(markerscale=3, fontsize=8)
+    right.set(xlabel="z of the vertex", ylabel="(radius - sqrt(3)/2) / (edge of a cell)^2")
+    right.set_ylim(top=0.12)
+    right.legend(markerscale=3, fontsize=8, ncol=len(off), loc="upper center")
     figure.tight_layout()
     save(figure, path)

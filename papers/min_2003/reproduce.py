@@ -192,7 +192,7 @@ def table_7_by_rules(folder: Path, small: bool) -> Iterator[Table | str]:
 
 def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
     """The conformity check on meshes: facets met by two different cuts."""
-    rows = []
+    rows, alone_in_5 = [], {"printed": 0, "staircase": 0}
     for n, m in ((3, 1), (4, 1), (5, 1), (5, 2), (5, 3)):
         shape = (3, 3, 3, 2, 2)[:n] if small else (4, 4, 3, 3, 2)[:n]
         values = np.random.default_rng(n).normal(size=(m, *shape))
@@ -204,6 +204,7 @@ def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
             doubled = int(covered(mesh.vertices, alone).sum())
             volume = float(counted(mesh).measure)
             every = len(counted(mesh).facets.uses)
+            alone_in_5[rule] += len(alone) if n == 5 else 0
             rows.append(
                 [n, m, rule, len(mesh.simplices), every, len(alone), doubled, f"{volume:.9g}"]
             )
@@ -215,7 +216,8 @@ def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
     yield (
         "A facet with one simplex that is *covered* lies on facets of another cut of the same"
         " face: there is no gap, the volume is the same, but the union is no simplicial complex."
-        " In dimension 5 the printed tables leave many such facets, the staircase none.\n"
+        f" In dimension 5 the printed tables leave {alone_in_5['printed']:,} facets with one"
+        f" simplex, the staircase {alone_in_5['staircase']:,}.\n"
     )
 
 
@@ -284,7 +286,8 @@ def table_5(sizes: list[int], uniform: list[Any], paper: dict[int, Any]) -> Iter
     growth.add_slope(table, "time, the paper's numbers", sizes, [paper[N][1] for N in sizes], 3)
     growth.add_slope(table, "time, ours", sizes, seconds, 3)
     cells = [(N - 1) ** 3 for N in sizes]
-    growth.add_slope(table, "cells", sizes, cells, 3)
+    growth.add_slope(table, "cells that are cut, (N - 1)^3, over N", sizes, cells, 3)
+    growth.add_slope(table, "the same over N - 1", [N - 1 for N in sizes], cells, 3)
     totals = [row[2] + row[1] * SEGMENT_BYTES for row in uniform]
     growth.add_slope(table, "total space, ours", sizes, totals, 3)
     growth.add_slope(
@@ -352,11 +355,13 @@ def helix_pictures(folder: Path, example: examples.Example) -> Iterator[str]:
     tree, complex_ = from_tree(example, 64)
     mesh = to_mesh(complex_, tuple(example.spacing(64)), tuple(example.low))
     pictures.segments_3d(
-        figure.add_subplot(1, 2, 1, projection="3d"), mesh, example.low, example.high
-    )
+        figure.add_subplot(1, 2, 1, projection="3d"), mesh, example.low, example.high,
+        ("x", "y", "theta"),
+    )  # fmt: skip
+    figure.axes[0].set_box_aspect(None, zoom=0.85)  # type: ignore[call-arg]
     flat = figure.add_subplot(1, 2, 2)
     pictures.segments_2d(flat, mesh)
-    flat.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1))
+    flat.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), xlabel="x", ylabel="y")
     figure.tight_layout()
     pictures.save(figure, folder / "helix.png")
     figure, axes = plt.subplots(2, 4, figsize=(13.5, 7.2))
@@ -370,6 +375,10 @@ def helix_pictures(folder: Path, example: examples.Example) -> Iterator[str]:
         name = "uniform grid, " if tree is uniform else ""
         cells = "cells" if tree is uniform else "leaves"
         column[0].set_title(f"{name}N = {N}, {len(tree.leaves):,} {cells}", fontsize=10)
+        column[0].set(xlabel="theta")
+        column[1].set(xlabel="x")
+    axes[0, 0].set_ylabel("side view: x", fontsize=11)
+    axes[1, 0].set_ylabel("front view: y", fontsize=11)
     figure.tight_layout()
     pictures.save(figure, folder / "helix_boxes.png")
     yield "## Section 7.1, Figures 4 to 6\n"
@@ -378,40 +387,68 @@ def helix_pictures(folder: Path, example: examples.Example) -> Iterator[str]:
 
 
 def leaf(folder: Path, small: bool) -> Iterator[Table | str]:
-    """Section 7.2, Figures 7 and 8."""
-    N = 64 if small else 128
-    rows = []
-    figure, axes = plt.subplots(1, 2, figsize=(8.5, 4.4))
-    for half in (1.0, 2.1):
-        flat, lifted = examples.leaf(half), examples.lifted_leaf(half)
-        plane = extract(flat.field(N))
-        _, complex_ = from_tree(lifted, N)
-        curve = to_mesh(complex_, tuple(lifted.spacing(N)), tuple(lifted.low))
-        for name, mesh in (("in the plane", plane), ("lifted", curve)):
-            pieces = counted(mesh).components
-            ends = int((counted(mesh).facets.uses == 1).sum())
-            rows.append([half, name, len(mesh.simplices), pieces, ends])
-    for ax, mesh, title in zip(
-        axes, (plane, curve), ("level set", "lifted, projected"), strict=True
-    ):
+    """Section 7.2, Figures 7 and 8: on the printed lattice, and where no leaf is cut off."""
+    N, half = (64 if small else 128), 2.1
+    large, large_lifted = examples.leaf(half), examples.lifted_leaf(half)
+    curve = to_mesh(from_tree(large_lifted, N)[1], tuple(large_lifted.spacing(N)),
+                    tuple(large_lifted.low))  # fmt: skip
+    square = f"[-{half}, {half}]^2"
+    meshes = {
+        ("printed", "level set, psi letter for letter"): _on_samples(examples.printed_leaf(N), N),
+        ("printed", "level set, by the whole angle"): _on_samples(
+            examples.on_printed_lattice(examples.leaf(1.0), N), N
+        ),
+        (square, "level set, by the whole angle"): extract(large.field(N)),
+        ("printed", "lifted, projected"): _on_samples(
+            examples.on_printed_lattice(examples.lifted_leaf(1.0), N), N
+        ),
+        (square, "lifted, projected"): curve,
+    }
+    rows, told = [], {}
+    for (domain, name), mesh in meshes.items():
+        ends = int((counted(mesh).facets.uses == 1).sum())
+        told[domain, name] = pieces, _ = counted(mesh).components, ends
+        rows.append([domain, name, len(mesh.simplices), pieces, ends])
+    leaf_pictures(folder, meshes, large_lifted)
+    yield f"## Section 7.2: a singular curve and its lift, N = {N}\n"
+    yield rows_of(["square", "curve", "segments", "pieces", "ends"], rows)
+    lifted, flat = told[square, "lifted, projected"], told[square, "level set, by the whole angle"]
+    cut = told["printed", "level set, by the whole angle"]
+    yield (
+        "The printed square is [-1, 1]^2, a_i = -1 + 2 i / N for i from 1 to N, but the curve"
+        f" r = 1 + sin(7 theta) reaches r = 2: there the level set has {cut[1]} ends, where leaves"
+        " are cut off. Letter for letter psi has arctan(y / x), which is the angle on the right"
+        " half only; on the left half sin(7 theta) changes its sign, and other leaves are drawn. On"
+        f" {square} the lifted curve has {lifted[0]} piece(s) and {lifted[1]} ends, those at"
+        f" theta = 0 and 2 pi; the level set has {flat[0]} pieces, as its lattice has it at the"
+        " origin, where 14 branches meet.\n"
+    )
+    yield "![Figures 7 and 8: level sets, the lifted curve flat and in space](min_2003/leaf.png)\n"
+
+
+def _on_samples(example: examples.Example, N: int) -> Mesh:
+    """The zero set on the example's lattice of N samples a side."""
+    return extract(example.field(N - 1))
+
+
+def leaf_pictures(
+    folder: Path, meshes: dict[tuple[str, str], Mesh], lifted: examples.Example
+) -> None:
+    """Figures 7 and 8."""
+    figure = plt.figure(figsize=(12, 8.2))
+    for place, ((domain, name), mesh) in enumerate(meshes.items(), 1):
+        ax = figure.add_subplot(2, 3, place)
         pictures.segments_2d(ax, Mesh(mesh.vertices[:, :2], mesh.simplices))
-        ax.set(xlim=(-2.1, 2.1), ylim=(-2.1, 2.1), title=title)
+        half = 1.0 if domain == "printed" else lifted.high[0]
+        square = "[-1, 1]^2 as printed" if domain == "printed" else domain
+        ax.set(xlim=(-half, half), ylim=(-half, half), xlabel="x", ylabel="y")
+        ax.set_title(f"{name}\n{square}", fontsize=10)
+    space = figure.add_subplot(2, 3, len(meshes) + 1, projection="3d")
+    pictures.segments_3d(space, mesh, lifted.low, lifted.high, ("x", "y", "theta"))
+    space.set_title(f"lifted, in space\n{domain}", fontsize=10)
+    space.set_box_aspect(None, zoom=0.82)  # type: ignore[attr-defined]
     figure.tight_layout()
     pictures.save(figure, folder / "leaf.png")
-    figure = plt.figure(figsize=(5, 4.6))
-    pictures.segments_3d(figure.add_subplot(projection="3d"), curve, lifted.low, lifted.high)
-    figure.tight_layout()
-    pictures.save(figure, folder / "leaf_lifted.png")
-    yield f"## Section 7.2: a singular curve and its lift, N = {N}\n"
-    yield rows_of(["half side of the square", "curve", "segments", "pieces", "ends"], rows)
-    yield (
-        "The curve r = 1 + sin(7 theta) reaches r = 2, the printed domain ends at 1: there the"
-        " leaves are cut off. On a square that holds it the lifted curve is one piece with its"
-        " two ends at theta = 0 and 2 pi, while the level set falls apart or grows together at the"
-        " origin, as the grid has it.\n"
-    )
-    yield "![The level set and the projection of the lifted curve](min_2003/leaf.png)\n"
-    yield "![The lifted curve](min_2003/leaf_lifted.png)\n"
 
 
 def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
@@ -469,7 +506,13 @@ def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
         " axis is meant. The constant 3.5 is safe: in the maximum norm the true one is"
         f" 1 + 4 / sqrt 3 = {1 + 4 / 3**0.5:.4g}, from the third equation.\n"
     )
-    yield "![The level set in space and the projected lift](min_2003/spindle.png)\n"
+    yield (
+        f"Figure 9 below is drawn for N = {shown_at} as the paper's: the level set on the printed"
+        " lattice, a_i = -2 + 4 i / N for i from 1 to N, letter for letter and with the angle that"
+        " is meant, and the lifted surface by the dyadic grid. The speckle at the pole is explained"
+        " on [a page of its own](min_2003/pole.md).\n"
+    )
+    yield "![Figure 9: level sets in space and the projected lift](min_2003/spindle.png)\n"
 
 
 def spindle_exponents(
@@ -501,15 +544,24 @@ def spindle_exponents(
 
 
 def picture_of(folder: Path, example: examples.Example, complex_: Complex, N: int) -> None:
-    """Figure 9: psi = 0 in space beside the projection of the lifted surface."""
-    flat = examples.spindle()
-    field = flat.field(2 * N)
+    """Figure 9: psi = 0 in space, twice, beside the projection of the lifted surface."""
     eye = (1.0, -0.55, 0.42)
-    images = [("level set in space", shaded(field, (0, 1, 2), eye))]
+    images = [
+        (
+            f"{name}, N = {N}",
+            shaded(examples.printed_spindle(N, letter).field(N - 1), (0, 1, 2), eye),
+        )
+        for name, letter in (
+            ("level set, psi letter for letter", True),
+            ("level set, angle from the axis", False),
+        )
+    ]
     mesh = project(to_mesh(complex_, tuple(example.spacing(N)), tuple(example.low)), (0, 1, 2))
     samples = example.samples(N)
     g = gradients(complex_.parents, samples.at, samples.shape, samples.spacing)
-    images.append(("projected from R^5", pictures.render(mesh, normals(g, (0, 1, 2)), eye)))
+    images.append(
+        (f"lifted, projected from R^5, N = {N}", pictures.render(mesh, normals(g, (0, 1, 2)), eye))
+    )
     pictures.gallery(folder / "spindle.png", images)
 
 
@@ -536,10 +588,17 @@ def complex_circle(folder: Path, small: bool) -> Iterator[Table | str]:
     rims = oracle.Complex.of(mesh.vertices, rim.rows[rim.uses == 1]).components
     table.add("closed curves at its rim", None, rims, expected=2)
     yield table
-    views = [("(x, y, p)", (0, 1, 2)), ("(x, y, q)", (0, 1, 3))]
+    half = float(example.high[0])
+    where = f"{N}^4 samples of [-{half:g}, {half:g}]^4"
+    views = [(f"(x, y, p), {where}", (0, 1, 2)), (f"(x, y, q), {where}", (0, 1, 3))]
     images = [(name, shaded(field, kept, (0.9, -0.7, 0.55))) for name, kept in views]
     pictures.gallery(folder / "complex_circle.png", images)
-    yield "![Two projections of the complex circle](min_2003/complex_circle.png)\n"
+    yield (
+        f"The paper names {N}^4 samples and no domain; [-{half:g}, {half:g}]^4 is ours.\n"
+        if N == 32
+        else f"The paper has 32^4 samples; these are {N}^4.\n"
+    )
+    yield "![Figure 10: two projections of the complex circle](min_2003/complex_circle.png)\n"
 
 
 def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
@@ -573,10 +632,15 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
             growth.add_slope(table, what, cells, [1 / e for e in errors], 2)
     yield table
     yield "![The intersection, projected, and its radius](min_2003/two_spheres.png)\n"
+    outside = sum(int((error > 0).sum()) for _, error in off.values())
+    every = sum(len(error) for _, error in off.values())
+    spans = [(float(error.min()), float(error.max())) for _, error in off.values()]
     yield (
         "On the right every vertex of every N: its distance from the exact sphere over the square"
-        " of the cell's edge. The clouds lie on each other, which is second order point by point;"
-        " none is outside the sphere, because phi is convex and its interpolant lies above it.\n"
+        f" of the cell's edge. It is between {min(low for low, _ in spans):.2f} and"
+        f" {max(high for _, high in spans):.2f}, whatever N: second order point by point. Of"
+        f" {every:,} vertices {outside} are outside the sphere: phi is convex, so that its"
+        " interpolant lies above it.\n"
     )
 
 

@@ -93,9 +93,7 @@ def bounded_waves(
     vectors = np.pi * np.maximum(1, np.rint(k * np.abs(directions(count, chance)) / np.pi))
     c = chance.normal(size=(count, 2)) @ np.array([1, 1j]) * 2 / math.sqrt(count)
     first, second, third = (
-        np.sin(
-            np.outer(vectors[:, axis], margin + (1 - 2 * margin) * _coordinates(shape, axis))
-        ).astype(np.complex128)
+        np.sin(np.outer(vectors[:, axis], margin + (1 - 2 * margin) * _coordinates(shape, axis)))
         for axis in range(3)
     )
     return _superpose(c[:, None] * first, second, third)
@@ -118,11 +116,16 @@ def _coordinates(shape: Shape, axis: int) -> Floats:
     return np.arange(shape[axis]) / max(max(shape) - 1, 1)
 
 
-def _superpose(first: Complex, second: Complex, third: Complex) -> Complex:
+def _superpose(first: Complex, second: Complex | Floats, third: Complex | Floats) -> Complex:
     """``sum over j of first[j, x] second[j, y] third[j, z]``, one layer of x at a time."""
     psi = np.empty((first.shape[1], second.shape[1], third.shape[1]), np.complex128)
     for x, weight in enumerate(first.T):
-        np.matmul((weight[:, None] * second).T, third, out=psi[x])
+        if np.iscomplexobj(third):
+            np.matmul((weight[:, None] * second).T, third, out=psi[x])
+            continue
+        # Two real products are half the work of a complex one.
+        psi[x].real = (weight.real[:, None] * second).T @ third
+        psi[x].imag = (weight.imag[:, None] * second).T @ third
     return psi
 
 

@@ -151,9 +151,13 @@ class IndexedSurface:
     @cached_property
     def own_number(self) -> Integers:
         """(V,) c, hashed from the vertex's rank in the order in which triangles name them."""
-        used, first = np.unique(self.mesh.simplices, return_index=True)
+        named = self.mesh.simplices.reshape(-1)
+        first = np.full(len(self.mesh.vertices), len(named))
+        # Of equal indices the last is assigned: backwards, where a vertex is named first.
+        first[named[::-1]] = np.arange(len(named))[::-1]
+        used = np.flatnonzero(first < len(named))
         rank = np.zeros(len(self.mesh.vertices), np.int64)
-        rank[used[np.argsort(first)]] = np.arange(len(used))
+        rank[used[np.argsort(first[used])]] = np.arange(len(used))
         return (rank + 1) * 0x9E3779B1 % (1 << OWN_BITS)
 
     def count_through(self, k: Integers | int) -> Integers:
