@@ -30,8 +30,12 @@ def draw_all(pages: Pages) -> dict[str, str]:
         REGISTERED,
         families,
         fields,
+        foundations,
+        freezing,
         hero,
         meeting,
+        parts,
+        sections,
         surfaces,
     )
 
