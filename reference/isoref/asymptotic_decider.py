@@ -379,7 +379,8 @@ def place(signs: int, separated: int) -> Placement:
 class BetweenSaddles:
     """The placement of 10B and 10D: on the line that joins the saddles of two faces.
 
-    e0 = (1 - u) e(top) + u e(bot), u = (alpha - F(e(top))) / (F(e(bot)) - F(e(top))). One face is
+    e0 = (1 - u) e_t + u e_b, u = (alpha - F(e_t)) / (F(e_b) - F(e_t)), where e_t and e_b are the
+    saddles of the top face and the bottom face (the paper's e(top), e(bot)). One of these faces is
     separated and the other is not, so 0 <= u <= 1.
     """
 

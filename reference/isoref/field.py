@@ -54,7 +54,7 @@ class Field:
     Attributes
     ----------
     values : (N1, .., Nn) array, or (m, N1, .., Nn) for m components
-        Real numbers of any integer or floating type, never copied without need.
+        of real numbers of any integer or floating type, never copied without need.
     spacing, origin : n floats
         Position of index i is ``origin + i * spacing`` in a straight field.
     directions : n rows of n floats, one an axis, or None for a straight field

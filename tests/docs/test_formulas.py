@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 from isosite.formulas import as_tex, displayed, symbol, with_formulas
 from isosite.mathml import mathml
-from isosite.modules import modules
+from isosite.modules import banners, modules
 from isosite.prose import Scope, line_of, rst_of
 
 
@@ -46,6 +46,7 @@ def test_what_cannot_be_read_is_left(text: str) -> None:
         "I have an end; a point on a face, either/or, x-axis.",
         "``a + b`` and *a + b* and `a + b` are marked already.",
         "A line [1] of text.",
+        "Samples on a 3-D lattice; NASA TN D-5541; IEICE Transactions E74(1).",
     ],
 )
 def test_words_are_no_formulas(text: str) -> None:
@@ -60,6 +61,8 @@ def test_formulas_are_found_among_words() -> None:
     )
     assert with_formulas("a k-simplex where k = n - m") == "a k-simplex where :math:`k = n - m`"
     assert with_formulas("f(x) = 0 or 1") == ":math:`f(x) = 0` or 1"
+    # Each by itself, so that a narrow line may end between them.
+    assert with_formulas("a = b, c = d") == ":math:`a = b`, :math:`c = d`"
 
 
 def test_a_block_is_mathematics_only_if_every_line_is() -> None:
@@ -96,6 +99,41 @@ def test_every_formula_of_the_reference_becomes_mathematics() -> None:
     assert len(formulas) > 150
     for tex in formulas:
         ElementTree.fromstring(mathml(tex, display=False))
+
+
+def test_a_formula_that_words_follow_at_once_ends_where_it_ends() -> None:
+    """A bracket right behind a role would keep it open: a space that is not shown is between."""
+    assert line_of("where (1 - u) e(top) is", Scope()) == r"where :math:`(1 - u)\, e`\ (top) is"
+
+
+def test_words_beside_words_are_definitions_and_drawings_stay() -> None:
+    """One row or several, indented or not; what has lines, arrows or more columns is a drawing."""
+    told = rst_of("Title.\n\nGlossary\n--------\nlabel       1 where it is inside", Scope())
+    assert ".. container:: glossary-rows\n\n   label\n      1 where it is inside" in told
+    told = rst_of(
+        "Title.\n\nThey are:\n\n    block       of cells\n    b c         two words", Scope()
+    )
+    assert "   block\n      of cells" in told
+    assert "   b c\n      two words" in told
+    for drawing in (
+        "o-----o     a square\n    |     |     of four",
+        "edge    a point     by a line",
+    ):
+        assert ":class: drawing" in rst_of(f"Title.\n\nThis:\n\n    {drawing}", Scope())
+
+
+def test_errors_of_two_kinds_are_one_list() -> None:
+    """As those of one kind are."""
+    doc = "Title.\n\nRaises\n------\nValueError\n    for one\nFieldError\n    for another"
+    told = rst_of(doc, Scope())
+    assert "   ValueError\n      for one\n\n   FieldError\n      for another" in told
+
+
+def test_headings_of_the_source_are_headings() -> None:
+    """On one line or between two, and what stands before and behind them is kept."""
+    bar = "# " + "-" * 40
+    text = f"x = 1\n# --- a b {'-' * 9}\n# why\n{bar}\n# c\n{bar}\ny = 2"
+    assert banners(text) == [("x = 1\n", "a b"), ("\n# why\n", "c"), ("\ny = 2", "")]
 
 
 def test_no_symbol_for_something_unknown_is_shown() -> None:

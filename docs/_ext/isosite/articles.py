@@ -37,7 +37,7 @@ def evidence(tests: tuple[Test, ...]) -> str:
     def row(test: Test) -> str:
         words = test.name.removeprefix("test_").replace("_", " ")
         says = first_sentence(test.says)
-        told = f" ({escaped(says)})" if says != words else ""
+        told = f" ({line_of(says, Scope())})" if says != words else ""
         return f"* :ref:`{words} <{test.label}>`{told}\n"
 
     body = "Pinned by\n\n" + "".join(row(t) for t in tests[:SHOWN]) + "\n"
@@ -56,7 +56,10 @@ def folded(summary: str, body: str) -> str:
 
 def first_sentence(text: str) -> str:
     """The first sentence of a test's docstring, without marks."""
-    return re.sub(r"[`*]", "", re.split(r"(?<=[a-z0-9)])[.:;] ", text, maxsplit=1)[0]).rstrip(".")
+    end = (
+        r"(?<=[a-z0-9)])(?<!\bFig)(?<!\bFigs)(?<!\beq)(?<!\beqs)(?<!\bEq)(?<!\bEqs)(?<!\bvs)[.:;] "
+    )
+    return re.sub(r"[`*]", "", re.split(end, text, maxsplit=1)[0]).rstrip(".")
 
 
 def users(module: Module, name: str) -> list[str]:
@@ -96,15 +99,18 @@ def article(module: Module, pictures: dict[str, str]) -> str:
     text += rst_of(module.doc, scope, level="-", label=module.name)
     text = put_in(text, pictures.get(module.name, ""))
     text += claims_beside(module)
-    banners = any(part.kind == "banner" for part in module.parts)
+    kinds = [part.kind for part in module.parts]
+    before = kinds[: kinds.index("banner")] if "banner" in kinds else kinds
+    opening = "Imports" if set(before) == {"statements"} != set(kinds) else "The code"
     begun = False
     for part in module.parts:
         if part.kind == "banner":
-            text += heading(escaped(part.name), "-", f"{module.name}.code-{slug(part.name)}")
+            title = escaped(part.name[:1].upper() + part.name[1:])
+            text += heading(title, "-", f"{module.name}.code-{slug(part.name)}")
             begun = True
             continue
         if not begun:
-            text += heading("Imports" if banners else "The code", "-", f"{module.name}.the-code")
+            text += heading(opening, "-", f"{module.name}.the-code")
             begun = True
         if part.kind == "statements":
             anchors = "".join(

@@ -223,6 +223,8 @@ APART = re.compile(
     re.DOTALL,
 )
 START = re.compile(r"(?<![\w'/.-])(?=[-(|A-Za-z0-9])")
+# Not differences or functions: "3-D", the number of a report, an issue of a volume.
+WORD = re.compile(r"\d-[A-Z]\b|[A-Z]-\d{3,}|[A-Z]\d{2,}\(\d+\)")
 
 
 def with_formulas(text: str, mark: str = ":math:`{}`") -> str:
@@ -253,7 +255,12 @@ def _marked(text: str, mark: str) -> str:
 
 
 def _longest(text: str) -> tuple[str, int] | None:
-    """The longest formula that begins here, and its length; None where there is none."""
+    """The longest formula that begins here, and its length; None where there is none.
+
+    Of formulas in a row it is the first, so that a line may end behind a comma.
+    """
+    if WORD.match(text):
+        return None
     row = tokens(text)
     # An article is no symbol: "a (p+q)-simplex", "a < b" are told apart by what follows.
     if (
@@ -271,8 +278,10 @@ def _longest(text: str) -> tuple[str, int] | None:
         if not says_something(part):
             return None
         tex = as_tex(text[:end], inline=True)
-        if tex is not None and all(says_something(one) for one in _listed(part)):
-            return tex, end
+        parts = _listed(part)
+        if tex is not None and all(says_something(one) for one in parts):
+            end = parts[0][-1].end
+            return as_tex(text[:end], inline=True) or tex, end
     return None
 
 

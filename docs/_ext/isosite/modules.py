@@ -80,6 +80,21 @@ def only_imports(statements: list[str]) -> bool:
     return bool(told) and all(one.startswith(("from ", "import ")) for one in told)
 
 
+# A heading in the source: a title between two lines, or on one.
+BANNER = re.compile(r"^# -{20,}\n((?:# .*\n)+?)# -{20,}$|^# --- (.+?) -{3,}$", re.MULTILINE)
+
+
+def banners(text: str) -> list[tuple[str, str]]:
+    """What stands before each heading, with the heading's title, and what stands behind the last."""
+    found: list[tuple[str, str]] = []
+    at = 0
+    for match in BANNER.finditer(text):
+        title = match[2] or " ".join(row.lstrip("# ") for row in match[1].splitlines())
+        found.append((text[at : match.start()], title))
+        at = match.end()
+    return [*found, (text[at:], "")]
+
+
 def parts_of(source: str) -> tuple[Part, ...]:
     """The parts of a module, its docstring apart."""
     tree = ast.parse(source)
@@ -101,15 +116,12 @@ def parts_of(source: str) -> tuple[Part, ...]:
     for node in body:
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
         between = "\n".join(lines[at : first - 1])
-        for n, piece in enumerate(
-            re.split(r"^# -{20,}\n((?:# .*\n)+?)# -{20,}$", between, flags=re.MULTILINE)
-        ):
-            if n % 2:
-                statements()
-                title = " ".join(row.lstrip("# ") for row in piece.splitlines())
-                parts.append(Part("banner", title, (), "", ""))
-            elif piece.strip():
+        for piece, title in banners(between):
+            if piece.strip():
                 waiting.append(piece.strip("\n"))
+            if title:
+                statements()
+                parts.append(Part("banner", title, (), "", ""))
         end = node.end_lineno or first
         # The types of a call, before the function itself.
         overload = any(ast.unparse(d) == "overload" for d in getattr(node, "decorator_list", ()))

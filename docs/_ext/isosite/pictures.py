@@ -6,10 +6,14 @@ import hashlib
 import io
 from pathlib import Path
 
+import numpy as np
 from isosite.evidence import PACKAGES, ROOT
 from isosite.writing import Pages
+from matplotlib.image import imread, imsave
 
 FOLDER = "articles/pictures"
+# Empty rows that are kept round a picture.
+MARGIN = 9
 
 
 def fingerprint() -> str:
@@ -18,6 +22,7 @@ def fingerprint() -> str:
     for folder in (ROOT / "docs" / "_ext" / "pictures", PACKAGES["isoref"]):
         for path in sorted(folder.rglob("*.py")):
             digest.update(path.read_bytes())
+    digest.update(Path(__file__).read_bytes())
     return digest.hexdigest()
 
 
@@ -51,12 +56,29 @@ def draw_all(pages: Pages) -> dict[str, str]:
             picture.figure.savefig(
                 data, format="png", dpi=150, bbox_inches="tight", pad_inches=0.06
             )
-            pages.put(png, data.getvalue())
+            pages.put(png, trimmed(data.getvalue()))
             pages.put(txt, picture.caption)
         caption = Path(pages.folder, txt).read_text(encoding="utf-8")
         shown[beside] = shown.get(beside, "") + figure(name, caption)
     pages.put(f"{FOLDER}/fingerprint", mark)
     return shown
+
+
+def trimmed(png: bytes) -> bytes:
+    """The picture without the empty rows above and below it, which axes in space leave.
+
+    A picture that lets the page shine through is left alone.
+    """
+    pixels = imread(io.BytesIO(png))
+    if pixels.shape[2] == 4 and (pixels[..., 3] < 1).any():
+        return png
+    filled = np.flatnonzero((pixels[..., :3] < 1).any(axis=(1, 2)))
+    if not len(filled):
+        return png
+    out = io.BytesIO()
+    low, high = max(filled[0] - MARGIN, 0), filled[-1] + 1 + MARGIN
+    imsave(out, np.ascontiguousarray(pixels[low:high]), format="png")
+    return out.getvalue()
 
 
 def figure(name: str, caption: str) -> str:

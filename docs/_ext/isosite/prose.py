@@ -33,6 +33,8 @@ NAME = re.compile(r"`([^`\n]+)`_?")
 EMPHASIS = re.compile(r"(?<![\w)*])(\*{1,2})(?=\S)([^*]+?)(?<=\S)\1(?![\w*])")
 CITATION = re.compile(r"\[(\d+)(?:-(\d+))?\]")
 ROW = re.compile(r"(\S.*?) {2,}(\S.*)")
+# Another column, or a line of a drawing.
+DRAWN = re.compile(r"\S {3,}\S|--|->|[|/\\]")
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ def line_of(text: str, scope: Scope) -> str:
     for n, piece in enumerate(re.split(rf"{OPEN}(.*?){CLOSE}", text, flags=re.DOTALL)):
         if n % 2 == 0:
             # Markup ends where a letter would go on: a space that is not shown stands between.
-            joined = "\\ " if done and re.match(r"[\w`]", piece) else ""
+            joined = "\\ " if done and re.match(r"[\w`([{<]", piece) else ""
             done += joined + escaped(piece) if n else escaped(piece)
         else:
             joined = "\\ " if re.search(r"[\w)\]}>]$", done) else ""
@@ -100,6 +102,8 @@ def term_of(text: str, scope: Scope) -> str:
     """The left column of a definition: symbols as mathematics, words as they are."""
     if text.startswith("`"):
         return line_of(text, scope)
+    if ", " in text and "(" not in text:
+        return ", ".join(term_of(part, scope) for part in text.split(", "))
     tex = as_tex(text, inline=True)
     row = tokens(text)
     if tex is not None and (
@@ -115,6 +119,8 @@ def definitions(paragraph: str) -> list[tuple[str, str]] | None:
     edge = 0
     for line in paragraph.splitlines():
         match = ROW.fullmatch(line)
+        if edge and not match and line[edge - 1 : edge] == " " and line[edge:].strip():
+            match = re.fullmatch(rf"(.{{{edge - 1}}}) (\S.*)", line)
         typed = re.fullmatch(r"(\*{0,2}\w[\w, *]*) : (.*)", line)
         if line.startswith(" "):
             if not rows or (edge and len(line) - len(line.lstrip()) < min(edge, 4)):
@@ -125,7 +131,9 @@ def definitions(paragraph: str) -> list[tuple[str, str]] | None:
             rows.append((match[1], match[2]))
         elif typed and not match:
             rows.append((typed[1], typed[2]))
-        elif len(line) < 32 and (edge or not rows):
+        elif len(line) < 32 and (
+            edge or not rows or (rows[-1][1] and re.fullmatch(r"\w+(, \w+)*", line))
+        ):
             rows.append((line, ""))
         else:
             return None
@@ -176,6 +184,8 @@ def reference(number: str, text: str, label: str, scope: Scope) -> str:
         for p in found
         if re.sub(r"\W+", " ", p["title"]).casefold() in re.sub(r"\W+", " ", flat).casefold()
     ]
+    # The title that comes first is the work itself; others are what is said of it.
+    by_title.sort(key=lambda p: flat.casefold().find(p["title"].split()[0].casefold()))
     links = " ".join(link_of(paper) for paper in (by_title or found)[:1])
     shown = line_of(flat, Scope(scope.named))
     return f".. _{label}:\n\n[{number}] {shown} {links}\n\n"
@@ -210,7 +220,7 @@ def rst_of(docstring: str, scope: Scope, *, level: str = "", label: str = "") ->
             if not paragraph:
                 continue
         if paragraph.startswith(" "):
-            parts.append(drawn(paragraph))
+            parts.append(drawn(paragraph, scope))
             announced = False
             continue
         announced = paragraph.rstrip().endswith("::")
@@ -222,12 +232,17 @@ def rst_of(docstring: str, scope: Scope, *, level: str = "", label: str = "") ->
     return "".join(parts)
 
 
-def drawn(paragraph: str) -> str:
+def drawn(paragraph: str, scope: Scope) -> str:
     """An indented paragraph: formulas, or a drawing."""
     block = dedent(paragraph)
     tex = displayed(block.rstrip().rstrip(","))
     if tex:
         return f".. math::\n   :nowrap:\n\n   {tex}\n\n"
+    rows = definitions(re.sub(r"::\s*$", ":", block))
+    if rows and all(ROW.fullmatch(line) for line in block.splitlines() if line[:1].strip()):
+        # Words beside words; more columns, or lines and corners, are a drawing.
+        if all(re.match(r"[\w`\"]", term) and not DRAWN.search(text) for term, text in rows):
+            return definition_list(rows, scope)
     return ".. code-block:: text\n   :class: drawing\n\n" + indent(block, "   ") + "\n\n"
 
 
@@ -246,7 +261,8 @@ def told(paragraph: str, scope: Scope) -> str:
             reference(a or b, text, scope.references[a or b], scope) for a, b, text in entries
         )
     rows = definitions(paragraph)
-    if rows and len(paragraph.splitlines()) > 1:
+    alone = re.match(r"\*{0,2}\w+ : \S", paragraph) or ROW.match(paragraph)
+    if rows and (len(paragraph.splitlines()) > 1 or alone):
         return definition_list(rows, scope)
     if re.search(r"\S {3,}\S", paragraph):
         return ".. code-block:: text\n   :class: drawing\n\n" + indent(paragraph, "   ") + "\n\n"
@@ -257,7 +273,7 @@ def told(paragraph: str, scope: Scope) -> str:
     # Indented lines under a line of prose are a drawing or formulas of it.
     head, _, under = re.sub(r"\n(?= {3,})", "\0", paragraph, count=1).partition("\0")
     if under and all(line.startswith("   ") for line in under.splitlines()):
-        return line_of(re.sub(r"\s*::$", ":", head), scope) + "\n\n" + drawn(under)
+        return line_of(re.sub(r"\s*::$", ":", head), scope) + "\n\n" + drawn(under, scope)
     return line_of(paragraph, scope) + "\n\n"
 
 
