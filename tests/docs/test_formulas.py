@@ -111,10 +111,10 @@ def test_words_beside_words_are_definitions_and_drawings_stay() -> None:
     told = rst_of("Title.\n\nGlossary\n--------\nlabel       1 where it is inside", Scope())
     assert ".. container:: glossary-rows\n\n   label\n      1 where it is inside" in told
     told = rst_of(
-        "Title.\n\nThey are:\n\n    block       of cells\n    b c         two words", Scope()
+        "Title.\n\nThey are:\n\n    block       of cells\n    two words   beside", Scope()
     )
     assert "   block\n      of cells" in told
-    assert "   b c\n      two words" in told
+    assert "   two words\n      beside" in told
     for drawing in (
         "o-----o     a square\n    |     |     of four",
         "edge    a point     by a line",

@@ -85,7 +85,7 @@ BANNER = re.compile(r"^# -{20,}\n((?:# .*\n)+?)# -{20,}$|^# --- (.+?) -{3,}$", r
 
 
 def banners(text: str) -> list[tuple[str, str]]:
-    """What stands before each heading, with the heading's title, and what stands behind the last."""
+    """What stands before each heading, with its title, and what stands behind the last."""
     found: list[tuple[str, str]] = []
     at = 0
     for match in BANNER.finditer(text):

@@ -7,9 +7,10 @@ import io
 from pathlib import Path
 
 import numpy as np
+from matplotlib.image import imread, imsave
+
 from isosite.evidence import PACKAGES, ROOT
 from isosite.writing import Pages
-from matplotlib.image import imread, imsave
 
 FOLDER = "articles/pictures"
 # Empty rows that are kept round a picture.
