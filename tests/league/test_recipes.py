@@ -9,6 +9,7 @@ from isograde.adapters import open_adapter
 from isograde.checking import check
 from isograde.declaration import declaration_from
 from isograde.model import Limits
+from isograde.report.packed import unpacked
 
 from tests.loading import module_at
 
@@ -102,7 +103,10 @@ def test_what_cannot_be_built_costs_its_own_row(
 def test_a_package_is_built_from_its_registry_and_called_rightly(
     name: str, method: str, program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One in Python, one in JavaScript, one compiled: `check` finds its declaration true."""
+    """One in Python, one in JavaScript, one compiled: `check` finds its declaration true.
+
+    Then the program grades it on a few cells, as ``make league`` does on all, and writes the page.
+    """
     if shutil.which(program) is None:
         pytest.skip(f"no {program} on this machine")
     monkeypatch.setattr(league, "BUILT", tmp_path)
@@ -121,6 +125,17 @@ def test_a_package_is_built_from_its_registry_and_called_rightly(
     assert found.started
     wrong = [said for word, said in found.told if word == "wrong" and "declare" in said]
     assert not wrong, "what it declares is not what it does"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "README.md").write_text("\n".join(league.MARKS), encoding="utf-8")
+    for what in ("ROOT", "READY_MADE", "README", "REPORTS"):
+        place = tmp_path / {"ROOT": "", "README": "README.md"}.get(what, what.lower())
+        monkeypatch.setattr(league, what, place)
+    assert league.main([method, "--only", "cells/outside/01*", "bodies/3-1/two-spheres-32*"]) == 0
+    page = unpacked((tmp_path / "reports" / "index.html").read_text(encoding="utf-8"))
+    assert f'href="./{method}.html"' in page
+    assert "not graded yet" in page, "the others keep their rows"
+    own = unpacked((tmp_path / "reports" / f"{method}.html").read_text(encoding="utf-8"))
+    assert "promises <b>level" in own
 
 
 def test_the_readme_shows_the_ten_that_come_first() -> None:

@@ -33,7 +33,7 @@ from isograde.report.headline import (
     ties_unanswered,
     wrong_cells,
 )
-from isograde.report.page import environment
+from isograde.report.page import environment, pictured
 from isograde.report.reading import CONVENTIONS, Report
 from isograde.report.scatter import Point, front, scatter
 from isograde.report.speed import Measured
@@ -80,7 +80,7 @@ class Row:
     unanswered : fields with ties on which no mesh came
     wrong : wrong cells in a million on real scans
     accuracy : mean distance to a known sphere, in its radius, with 3 * 2^k samples a radius
-    worst : the first thing that is wrong, in a sentence; its claim; and whether it is promised
+    worst : the first thing that is wrong, in a sentence; whether it is promised; its picture
     at : by what is shown (level, ties, wrong, accuracy, worst), where on its page that is shown
     short : the share of fields in general position that are short of the next level
     cost : what it costs beside the peer, where that was measured
@@ -104,6 +104,7 @@ class Row:
     accuracy: float | None
     worst: str
     worst_held: bool
+    worst_picture: str
     at: Mapping[str, str]
     choices: tuple[str, ...]
     date: str
@@ -181,6 +182,7 @@ def row(
         _accuracy(report),
         found[0].said if found else "",
         bool(found) and found[0].held,
+        pictured(report, found[0].root.id) if found else "",
         {
             "level": _place(report, _first_failing(report)),
             "ties": _place(report, ANSWERS if ties_unanswered(report) else TIES),

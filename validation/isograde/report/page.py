@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -183,6 +184,18 @@ def _answers(report: Report, record: JSON | None) -> list[tuple[str, JSON]]:
     elif posed is None and "simplices" in record.get("legal", {}):
         shown.append(("a legal answer", record["legal"]))
     return shown
+
+
+def pictured(report: Report, claim: str) -> str:
+    """What came on the smallest case that fails a claim, as a picture; nothing where there is none.
+
+    Without the words that a pointer would be shown: for a picture small enough to stand in a row.
+    """
+    record = report.evidence.get(claim)
+    answers = _answers(report, record)
+    if record is None or not answers:
+        return ""
+    return re.sub("<title>.*?</title>", "", picture(record, answers[0][1], claim, _tie(report)))
 
 
 def _note(record: JSON | None) -> str:
