@@ -41,6 +41,8 @@ def command(name: str, folder: Path) -> list[str]:
     """What runs the lines of a report, or a skip that says what is missing."""
     language, lines = lines_of(name)
     library = name.rpartition("-")[0]
+    if language == "rust":
+        return _built_by_cargo(library, lines, folder)
     file = folder / f"lines.{ {'python': 'py', 'r': 'R', 'c': 'c', 'js': 'mjs'}[language] }"
     if language == "js":
         built = ROOT / ".league" / library.replace("-", "_") / "node_modules"
@@ -71,6 +73,20 @@ def command(name: str, folder: Path) -> list[str]:
     if language == "r" and shutil.which("Rscript") is None:
         pytest.skip("no R here")
     return ["node" if language == "js" else "Rscript", str(file)]
+
+
+def _built_by_cargo(library: str, lines: str, folder: Path) -> list[str]:
+    """The program of a report's lines, of the crates that the league's own was built from."""
+    built = ROOT / ".league" / library.replace("-", "_")
+    if shutil.which("cargo") is None or not (built / "Cargo.lock").exists():
+        pytest.skip(f"{library} is not built (league.py --build)")
+    (folder / "src").mkdir()
+    (folder / "src" / "main.rs").write_text(lines, encoding="utf-8")
+    for name in ("Cargo.toml", "Cargo.lock"):
+        shutil.copy(built / name, folder)
+    asked = ["cargo", "build", "--quiet", "--offline"]
+    subprocess.run(asked, cwd=folder, check=True, timeout=120)
+    return [str(folder / "target" / "debug" / "row")]
 
 
 def test_there_are_reports_and_each_says_what_is_right() -> None:
