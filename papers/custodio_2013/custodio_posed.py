@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 from custodio_files import is_set, read_set
 from isograde.model import Adapter, AdapterError, Request
-from isograde.oracles.complexes import Complex, components_of
+from isograde.oracles.complexes import Complex
+from isograde.oracles.rows import components_of
 from isoref.field import Field
 from numpy.typing import NDArray
 

@@ -15,7 +15,8 @@ from collections.abc import Iterator
 import numpy as np
 import posing
 from isograde.model import Adapter
-from isograde.oracles.complexes import Complex, components_of
+from isograde.oracles.complexes import Complex
+from isograde.oracles.rows import components_of
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_grid import grid
 from numpy.typing import NDArray

@@ -27,6 +27,7 @@ from isograde.adapters.directory import DirectoryAdapter, export
 from isograde.adapters.exec import ExecAdapter
 from isograde.adapters.forms import AnswerError
 from isograde.adapters.frames import FrameError, pack, unpack
+from isograde.adapters.shared import Shared
 from isograde.cases import all_cases, own
 from isograde.declaration import Conventions, Declaration, declaration_json
 from isograde.expectations import ExpectationError, expectations
@@ -213,16 +214,16 @@ def frames() -> Mapping[str, Sequence[bytes]]:
         ({"declaration": DECLARED[0]}, [np.zeros(2, "<f4"), np.ones((1, 1, 1), bool)]),
     ]
     made = [b"".join(bytes(part) for part in pack(header, arrays)) for header, arrays in said]
-    filed = {"id": 1, "status": "ok", "arrays": [{"file": "PLACE/request0.npy", "bytes": 9}]}
-    text = json.dumps(filed).encode()
+    entry = {"dtype": "<f8", "shape": [3, 3], "bytes": 72, "at": 0}
+    text = json.dumps({"id": 1, "status": "ok", "arrays": [entry]}).encode()
     return {"bin": [*made, struct.pack("<I", len(text)) + text]}
 
 
 @reader("a message of the worker process", frames, FrameError, MemoryError, EOFError)
 def worker(place: Path, ending: str, data: bytes) -> Any:
     """The header and its arrays."""
-    np.save(place / "request0.npy", np.zeros((3, 3)))
-    stream = io.BytesIO(data.replace(b"PLACE", str(place).encode()))
+    shared, stream = Shared.make(), io.BytesIO(data)
+    shared.put(np.zeros((3, 3)), 0)
 
     def take(count: int) -> bytearray:
         found = bytearray(stream.read(count))
@@ -230,7 +231,7 @@ def worker(place: Path, ending: str, data: bytes) -> Any:
             raise EOFError
         return found
 
-    return unpack(take, BYTES, folder=place)
+    return unpack(take, BYTES, shared)
 
 
 # --- meshes --------------------------------------------------------------------------------------

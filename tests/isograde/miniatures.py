@@ -22,7 +22,7 @@ import numpy as np
 from isograde.adapters.conventions import to_house
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import Limits, Outcome, Request, Status
-from isograde.oracles.complexes import components_of
+from isograde.oracles.rows import components_of
 from isoref.field import Array, Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.spatial import ConvexHull

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -39,8 +40,57 @@ def links_in_folder() -> Any:
     return TRIANGLE
 
 
-def removes_folder_with_files() -> Any:
-    shutil.rmtree(folder())
+def shared() -> list[int]:
+    """The descriptors of what is shared with the grader, for fields and for meshes."""
+    return [int(word) for word in sys.argv[2:4]]
+
+
+def cuts_shared_short() -> Any:
+    """What is shared is cut short as soon as the answer is in it."""
+    from isograde.adapters.frames import pack as honest
+
+    def pack(*said: Any) -> Any:
+        made = honest(*said)
+        for one in shared():
+            os.ftruncate(one, 0)
+        return made
+
+    patched("pack", pack)
+    return SEVERAL, np.array([[0, 1, 2]])
+
+
+def closes_shared() -> Any:
+    for one in shared():
+        os.close(one)
+    return SEVERAL, np.array([[0, 1, 2]])
+
+
+def appends_to_shared() -> Any:
+    """From now on whatever is written stands at the end."""
+    import fcntl
+
+    for one in shared():
+        fcntl.fcntl(one, fcntl.F_SETFL, os.O_APPEND)
+    return SEVERAL, np.array([[0, 1, 2]])
+
+
+def seals_shared() -> Any:
+    """Nobody shall write to it any more; where that can be had, the grader cannot."""
+    import fcntl
+
+    for one in shared():
+        fcntl.fcntl(one, fcntl.F_ADD_SEALS, fcntl.F_SEAL_WRITE)
+    return TRIANGLE
+
+
+def scribbles() -> Any:
+    """The answer is written over, on and on, as soon as it was sent."""
+
+    def scribble() -> None:
+        while True:
+            os.pwrite(shared()[1], b"\xff" * 4096, 0)
+
+    threading.Thread(target=scribble, daemon=True).start()
     return SEVERAL, np.array([[0, 1, 2]])
 
 
@@ -131,7 +181,11 @@ ATTACKS: dict[str, Callable[[], Any]] = {
     "removes_folder": removes_folder,
     "replaces_folder": replaces_folder,
     "links_in_folder": links_in_folder,
-    "removes_folder_with_files": removes_folder_with_files,
+    "cuts_shared_short": cuts_shared_short,
+    "closes_shared": closes_shared,
+    "appends_to_shared": appends_to_shared,
+    "seals_shared": seals_shared,
+    "scribbles": scribbles,
     "runs_on": runs_on,
     "long_error": long_error,
     "unfit_error": unfit_error,
@@ -172,16 +226,19 @@ ATTACKS: dict[str, Callable[[], Any]] = {
     "header_dtype_object": lambda: raw_header(
         b'{"id": 2, "arrays": [{"dtype": "|O", "shape": [1], "bytes": 8}]}12345678'
     ),
-    "header_file_elsewhere": lambda: raw_header(
-        b'{"id": 2, "arrays": [{"file": "/etc/passwd", "bytes": 8}]}'
+    "header_beyond": lambda: raw_header(
+        b'{"id": 2, "arrays": [{"dtype": "<f8", "shape": [1], "bytes": 8, "at": 1099511627776}]}'
     ),
-    "header_file_endless": lambda: raw_header(
-        b'{"id": 2, "arrays": [{"file": "/dev/zero", "bytes": 8}]}'
+    "header_before": lambda: raw_header(
+        b'{"id": 2, "arrays": [{"dtype": "<f8", "shape": [1], "bytes": 8, "at": -8}]}'
     ),
-    "header_file_number": lambda: raw_header(b'{"id": 2, "arrays": [{"file": 5, "bytes": 8}]}'),
-    "header_file_nul": lambda: raw_header(
-        b'{"id": 2, "arrays": [{"file": "a\\u0000b", "bytes": 8}]}'
+    "header_place_text": lambda: raw_header(
+        b'{"id": 2, "arrays": [{"dtype": "<f8", "shape": [1], "bytes": 8, "at": "/etc/passwd"}]}'
     ),
+    "header_shared_object": lambda: raw_header(
+        b'{"id": 2, "arrays": [{"dtype": "|O", "shape": [1], "bytes": 8, "at": 0}]}'
+    ),
+    "header_file": lambda: raw_header(b'{"id": 2, "arrays": [{"file": "/dev/zero", "bytes": 8}]}'),
     "patches_sizes": lambda: patched("_call", nothing),
     "patches_memory": lambda: patched("Memory", None),
 }

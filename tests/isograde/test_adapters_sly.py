@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -29,7 +30,7 @@ SLY = Path(sly.__file__)
 FIELD = Field.of(np.arange(8.0).reshape(2, 2, 2))
 SOUND = {
     "runs_on", "links_in_folder", "spoofs_endless_seconds", "spoofs_negative_peak",
-    "spoofs_list_detail", "patches_memory", "patches_sizes",
+    "spoofs_list_detail", "patches_memory", "patches_sizes", "appends_to_shared", "scribbles",
 }  # fmt: skip
 ENDS = {
     "long_error": (Status.RAISED, "(30,000,000 characters)"),
@@ -37,7 +38,10 @@ ENDS = {
     "unfit_decline": (Status.DECLINED, "(2,000,000 characters)"),
     "removes_folder": (Status.GARBAGE, "removed the folder"),
     "replaces_folder": (Status.GARBAGE, "put another in its place"),
-    "header_file_elsewhere": (Status.GARBAGE, "no file of the folder"),
+    "cuts_shared_short": (Status.GARBAGE, "shared memory ends"),
+    "closes_shared": (Status.GARBAGE, "Bad file descriptor"),
+    "header_beyond": (Status.GARBAGE, "shared memory ends"),
+    "header_shared_object": (Status.GARBAGE, "no numbers"),
     "header_bytes_huge": (Status.MEMORY, "absurd"),
 }
 
@@ -121,18 +125,65 @@ def test_a_full_temporary_folder_is_called_that(monkeypatch: pytest.MonkeyPatch)
     """By the grader's own writing, and where an implementation fails for want of space."""
     adapter = PythonAdapter(f"python:{SLY}:long_error")
     adapter.open(Limits(seconds=20.0, megabytes=400))
-    large = Field.of(np.zeros((80, 80, 80)))
+    large = Field.of(np.zeros((30, 30, 30)))
 
     def full(*_: Any, **__: Any) -> None:
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(np, "save", full)
+        patch.setattr(os, "pwrite", full)
         with pytest.raises(TemporaryFull, match="is full: free some space, or set TMPDIR"):
             adapter.run(Request("test", "plain", large, (1.5,)))
     monkeypatch.setattr(exchange.Exchange, "full", lambda self: True)
     with pytest.raises(TemporaryFull, match="is full"):
         adapter.run(Request("test", "plain", FIELD, (0.5,)))
+    adapter.close()
+
+
+def test_memory_that_can_no_longer_be_written_costs_the_worker(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is one of the two that have it open; the next worker is given other memory."""
+    adapter = PythonAdapter(f"python:{SLY}:long_error")
+    adapter.open(Limits(seconds=20.0, megabytes=400))
+    large = Request("test", "plain", Field.of(np.zeros((30, 30, 30))), (1.5,))
+
+    def refused(*_: Any) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "pwrite", refused)
+        bad = adapter.run(large)
+    assert (bad.status, "cannot be written" in bad.detail) == (Status.GARBAGE, True), bad.detail
+    assert adapter.run(large).status is Status.OK
+    adapter.close()
+
+
+def test_a_killed_worker_leaves_no_memory_behind() -> None:
+    """Descriptors of this process, after many deaths: as many as before."""
+    adapter = PythonAdapter(f"python:{SLY}:long_error")
+    adapter.open(Limits(seconds=20.0, megabytes=400))
+    large = Request("test", "plain", Field.of(np.zeros((30, 30, 30))), (1.5,))
+    open_ = psutil.Process().num_fds()
+    for _ in range(3):
+        assert adapter._child is not None
+        adapter._child.process.kill()
+        assert adapter.run(large).status is Status.CRASH
+        assert adapter.run(large).status is Status.OK
+        assert psutil.Process().num_fds() == open_
+    adapter.close()
+    assert psutil.Process().num_fds() < open_
+
+
+def test_what_came_is_not_changed_any_more() -> None:
+    """The implementation writes over the shared answer for ever; what was read is a copy."""
+    adapter = open_adapter(f"python:{SLY}:scribbles")
+    adapter.open(Limits(seconds=20.0, megabytes=400))
+    came = adapter.run(Request("test", "plain", FIELD, (0.5,))).vertices
+    assert came is not None
+    before = came.copy()
+    time.sleep(0.1)
+    assert np.array_equal(came, before, equal_nan=True)
     adapter.close()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from isograde.oracles.chains import curves_of
-from isograde.oracles.complexes import components_of
+from isograde.oracles.rows import components_of
 
 
 def test_open_and_closed_curves_keep_the_way_of_their_segments() -> None:

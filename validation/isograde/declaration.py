@@ -60,6 +60,7 @@ from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from itertools import permutations
+from math import prod
 from typing import Any, Literal
 
 import numpy as np
@@ -161,19 +162,22 @@ class Scope:
         >>> Scope(least=2).refusal((3, 1), (1, 5, 5), np.dtype("float64"))
         'outside its limits: fewer than 2 samples along an axis'
         """
-        size = int(np.prod(shape))
-        reasons = {
-            f"(n, m) = {tuple(kind)}": tuple(kind) not in self.kinds,
-            f"samples of type {dtype.name}": bool(self.types) and dtype.name not in self.types,
-            f"fewer than {self.least} samples along an axis": min(shape, default=0) < self.least,
-            f"more than {self.greatest} samples along an axis": 0
-            < self.greatest
-            < max(shape, default=0),
-            f"more than {self.samples:,} samples": 0 < self.samples < size,
-            "axes of different lengths": self.cubes and len(set(shape)) > 1,
-        }
-        said = next((reason for reason, true in reasons.items() if true), "")
+        said = self._unfit(tuple(kind), shape, dtype)
         return f"outside its limits: {said}" if said else ""
+
+    def _unfit(self, kind: tuple[int, ...], shape: Sequence[int], dtype: np.dtype[Any]) -> str:
+        """The first of the limits that is broken; nothing where none is."""
+        if kind not in self.kinds:
+            return f"(n, m) = {kind}"
+        if self.types and dtype.name not in self.types:
+            return f"samples of type {dtype.name}"
+        if min(shape, default=0) < self.least:
+            return f"fewer than {self.least} samples along an axis"
+        if 0 < self.greatest < max(shape, default=0):
+            return f"more than {self.greatest} samples along an axis"
+        if 0 < self.samples < prod(shape):
+            return f"more than {self.samples:,} samples"
+        return "axes of different lengths" if self.cubes and len(set(shape)) > 1 else ""
 
 
 @dataclass(frozen=True)

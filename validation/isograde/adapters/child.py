@@ -41,6 +41,8 @@ FAMILY_TICKS = 10
 LOG_BYTES = 1 << 26
 QUOTED_BYTES = 2000
 CHUNK = 1 << 20
+# Read, and write, what is smaller in one go.
+SMALL = 1 << 16
 # The variable whose value is different for each child.
 MARK = "ISOGRADE_PROCESS"
 SEARCHES = 5
@@ -68,6 +70,7 @@ class Child:
         command: Sequence[str] | str,
         *,
         guarded: bool = False,
+        shared: Sequence[int] = (),
         directory: Path | None = None,
     ):
         """Start `command`, a string for the shell or a sequence of words.
@@ -78,13 +81,14 @@ class Child:
             where the system lacks what watching a process takes.
 
         With `guarded` the child gets one more word: the number of a descriptor to which it turns
-        its standard output once it has put the protocol's aside.
+        its standard output once it has put the protocol's aside. Then come those of the descriptors
+        that are `shared` with it.
         """
         require()
         self.errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         self.prints = tempfile.TemporaryFile()  # noqa: SIM115 - closed by `kill`
         self._mark = uuid.uuid4().hex
-        extra = (self.prints.fileno(),) if guarded else ()
+        extra = (*((self.prints.fileno(),) if guarded else ()), *shared)
         for log in (self.errors, self.prints):
             _append_only(log.fileno())
         self.process = subprocess.Popen(
@@ -107,7 +111,7 @@ class Child:
         os.set_blocking(self._incoming, False)
         _widen(self._outgoing, self._incoming)
         self._kill = weakref.finalize(self, _kill_group, self.process, self._mark)
-        self._buffer = bytearray()
+        self._buffer, self._space = bytearray(), memoryview(bytearray(SMALL))
         self.allow(Limits())
 
     def allow(self, limits: Limits) -> None:
@@ -122,6 +126,9 @@ class Child:
 
         A child that stopped listening may have spoken before: reading from it says how it ended.
         """
+        buffers = list(buffers)
+        if sum(map(len, buffers)) <= SMALL:
+            buffers = [b"".join(buffers)]
         for buffer in buffers:
             rest = memoryview(buffer)
             while rest:
@@ -134,6 +141,12 @@ class Child:
 
     def read(self, count: int) -> bytearray:
         """The next `count` bytes of the child; raises `Ended`."""
+        while len(self._buffer) < count <= SMALL:
+            self._buffer += self._space[: self._fill(self._space)]
+        if count <= len(self._buffer):
+            taken = self._buffer[:count]
+            del self._buffer[:count]
+            return taken
         taken = bytearray(count)
         have = min(count, len(self._buffer))
         taken[:have] = self._buffer[:have]

@@ -2,29 +2,29 @@
 
 A frame is the length of a header (4 bytes, little-endian), the header (JSON), and the bytes of
 the arrays the header lists under ``arrays``, one after the other. An array of more than `LARGE`
-bytes stands in a .npy file instead, where both sides know a folder. Nothing is unpickled, so that
-whatever an implementation returns reaches the grader as numbers or not at all.
+bytes stands in shared memory instead, where both sides have some, and the header says where.
+Nothing is unpickled, so that whatever an implementation returns reaches the grader as numbers or
+not at all.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import os
-import stat
 import struct
 from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from isograde.adapters.shared import Shared
 
 Header = dict[str, Any]
 Arrays = list[NDArray[Any]]
 LENGTH = struct.Struct("<I")
 HEADER_LIMIT = 1 << 20
-LARGE = 1 << 20
+LARGE = 1 << 16
 
 
 class FrameError(ValueError):
@@ -32,23 +32,25 @@ class FrameError(ValueError):
 
 
 def pack(
-    header: Header, arrays: Sequence[NDArray[Any]] = (), files: Path | None = None
+    header: Header, arrays: Sequence[NDArray[Any]] = (), shared: Shared | None = None
 ) -> list[bytes | memoryview]:
     """The frame, as buffers to be written one after the other.
 
-    Large arrays are written to files whose names begin with `files`, where that is given.
+    Large arrays are put into the shared memory, where that is given; raises `OSError` for want of
+    room.
     """
     listed: list[Header] = []
     buffers: list[bytes | memoryview] = []
-    for number, array in enumerate(arrays):
-        if files is not None and array.nbytes > LARGE:
-            path = files.with_name(f"{files.name}{number}.npy")
-            np.save(path, array, allow_pickle=False)
-            listed.append({"file": str(path), "bytes": array.nbytes})
+    at = 0
+    for array in arrays:
+        solid = np.ascontiguousarray(array)
+        entry = {"dtype": solid.dtype.str, "shape": array.shape, "bytes": solid.nbytes}
+        if shared is not None and solid.nbytes > LARGE:
+            entry["at"] = at
+            at = shared.put(solid, at)
         else:
-            solid = np.ascontiguousarray(array)
-            listed.append({"dtype": solid.dtype.str, "shape": array.shape, "bytes": solid.nbytes})
             buffers.append(solid.reshape(-1).view(np.uint8).data)
+        listed.append(entry)
     text = json.dumps({**header, "arrays": listed}).encode()
     return [LENGTH.pack(len(text)) + text, *buffers]
 
@@ -56,12 +58,13 @@ def pack(
 def unpack(
     read: Callable[[int], bytearray],
     limit: float = math.inf,
-    mmap_mode: Literal["r"] | None = None,
-    folder: Path | None = None,
+    shared: Shared | None = None,
+    *,
+    mapped: bool = False,
 ) -> tuple[Header, Arrays]:
-    """The next frame, its bytes taken with `read(count)`, its files loaded or mapped.
+    """The next frame, its bytes taken with `read(count)`, its large arrays from shared memory.
 
-    Where a folder is given, only regular files that stand in it are read.
+    mapped : they are to be read where they are, and are those of the next frame after it
 
     Raises
     ------
@@ -75,40 +78,38 @@ def unpack(
         raise FrameError(f"a header of {length} bytes")
     try:
         header = json.loads(read(length))
-        total = sum(_size(entry, folder) for entry in header["arrays"])
+        total = sum(map(_size, header["arrays"]))
         if total > limit:
             raise MemoryError(f"{total:,} bytes of arrays")
-        return header, [_array(entry, read, mmap_mode) for entry in header["arrays"]]
+        return header, [_array(entry, read, shared, mapped) for entry in header["arrays"]]
     except (
-        ValueError, TypeError, KeyError, OSError, AttributeError, RecursionError, SyntaxError,
+        ValueError, TypeError, KeyError, OSError, OverflowError, AttributeError, RecursionError,
+        SyntaxError,
     ) as error:  # fmt: skip
         raise FrameError(f"a header that cannot be read: {error}") from error
 
 
-def _size(entry: Header, folder: Path | None) -> int:
-    """The bytes of an array, of a file those it really has; raises `FrameError`."""
-    if "file" not in entry or folder is None:
-        size = entry["bytes"]
-        if not isinstance(size, int) or size < 0:
-            raise FrameError(f"an array of {size!r:.40} bytes")
-        return size
-    path = Path(entry["file"])
-    found = os.lstat(path)
-    if path.parent != folder or not stat.S_ISREG(found.st_mode):
-        raise FrameError(f"{path.name!r:.60} is no file of the folder for exchange")
-    return found.st_size
+def _size(entry: Header) -> int:
+    """The bytes of an array; raises `FrameError`."""
+    size = entry["bytes"]
+    if not isinstance(size, int) or size < 0:
+        raise FrameError(f"an array of {size!r:.40} bytes")
+    return size
 
 
 def _array(
-    entry: Header, read: Callable[[int], bytearray], mmap_mode: Literal["r"] | None
+    entry: Header, read: Callable[[int], bytearray], shared: Shared | None, mapped: bool
 ) -> NDArray[Any]:
     """The array that an entry of the header lists."""
-    if "file" in entry:
-        loaded: NDArray[Any] = np.load(entry["file"], mmap_mode, allow_pickle=False)
-        return loaded
     dtype, shape = np.dtype(entry["dtype"]), tuple(entry["shape"])
     if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != entry["bytes"]:
         raise FrameError(f"{entry['bytes']} bytes for {shape} of {dtype}")
+    if dtype.hasobject:
+        raise FrameError(f"no numbers, but {dtype}")
     if not entry["bytes"]:
         return np.empty(shape, dtype)
-    return np.frombuffer(read(entry["bytes"]), dtype).reshape(shape)
+    if "at" not in entry:
+        return np.frombuffer(read(entry["bytes"]), dtype).reshape(shape)
+    if shared is None:
+        raise FrameError("shared memory, where there is none")
+    return (shared.mapped if mapped else shared.taken)(dtype, shape, entry["at"])

@@ -101,7 +101,8 @@ class ProcessAdapter(ABC):
         """The outcome, its text fit for a report; raises `TemporaryFull`."""
         if outcome.status not in (Status.OK, Status.DECLINED) and self.exchange.full():
             raise TemporaryFull.of(self.exchange.path.parent)
-        return replace(outcome, detail=clean(outcome.detail))
+        told = clean(outcome.detail)
+        return outcome if told == outcome.detail else replace(outcome, detail=told)
 
     def tidy(self) -> None:
         """The folder for files is empty; raises `Ended` where the implementation replaced it."""

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isograde.adapters.child import MEGABYTE, Child, Ended
-from isograde.adapters.exchange import TemporaryFull
+from isograde.adapters.exchange import FULL, TemporaryFull
 from isograde.adapters.frames import Arrays, FrameError, Header, pack, unpack
 from isograde.adapters.process import ProcessAdapter, samples
 from isograde.adapters.protocol import declared
+from isograde.adapters.shared import Shared
 from isograde.declaration import Declaration
 from isograde.model import AdapterError, Outcome, Request, Status, UnknownName
 
@@ -33,15 +34,21 @@ class PythonAdapter(ProcessAdapter):
 
     calls = True
 
+    def __init__(self, spec: str):
+        super().__init__(spec)
+        self._shared: list[Shared] = []
+
     def _spawn(self) -> Child:
-        """A worker."""
-        return Child([sys.executable, "-u", "-m", "isograde.adapters.worker"], guarded=True)
+        """A worker, with memory to share, for fields and for meshes, that none before it has."""
+        self._shared = [Shared.make(), Shared.make()]
+        command = [sys.executable, "-u", "-m", "isograde.adapters.worker"]
+        shared = [one.descriptor for one in self._shared]
+        return Child(command, guarded=True, shared=shared)
 
     def _greet(self, child: Child) -> Declaration:
         """What the function declares, once it is loaded."""
-        answers = str(self.exchange.path / "answer")
         path = [entry for entry in sys.path if entry]
-        child.write(pack({"load": self.spec, "path": path, "files": answers}))
+        child.write(pack({"load": self.spec, "path": path}))
         try:
             header, _ = unpack(child.read)
         except FrameError as error:
@@ -67,22 +74,38 @@ class PythonAdapter(ProcessAdapter):
         if request.function is not None and self.declaration.given == "function":
             pickled = cloudpickle.dumps(request.function)
             header["function"] = base64.b64encode(pickled).decode("ascii")
-        child.write(pack(header, [values], self.exchange.path / "request"))
-        folder, limit = self.exchange.path, self.limits.megabytes * MEGABYTE
+        (asked, answered), limit = self._shared, self.limits.megabytes * MEGABYTE
+        child.write(_packed(header, values, asked))
         try:
-            said, arrays = unpack(child.read, limit, folder=folder)
+            said, arrays = unpack(child.read, limit, answered)
         except FrameError as error:
             raise Ended(Status.GARBAGE, f"the worker's pipe was written to: {error}") from error
         except MemoryError as error:
             raise Ended(Status.MEMORY, f"an absurd mesh: {error}") from error
-        finally:
-            self.exchange.empty()
         self.tidy()
+        asked.trim()
+        answered.trim()
         if "full" in said:
-            raise TemporaryFull.of(folder.parent)
+            raise TemporaryFull.of(self.exchange.path.parent)
         if said.get("id") != self.number:
             raise Ended(Status.GARBAGE, f"it answered request {said.get('id')!r:.40} a second time")
         return _outcome(said, arrays)
+
+    def close(self) -> None:
+        """Stop the worker; what was shared with it is given back."""
+        super().close()
+        self._shared = []
+
+
+def _packed(header: Header, values: NDArray[Any], asked: Shared) -> list[bytes | memoryview]:
+    """The frame of a request; raises `Ended` where what is shared can no longer be written."""
+    try:
+        return pack(header, [values], asked)
+    except OSError as error:
+        if error.errno in FULL:
+            raise
+        told = f"the memory that is shared with it cannot be written: {error}"
+        raise Ended(Status.GARBAGE, told) from error
 
 
 def _outcome(said: Header, arrays: Arrays) -> Outcome:

@@ -1,5 +1,8 @@
 """The process in which a Python implementation runs: ``python -m isograde.adapters.worker``.
 
+Its arguments are three descriptors: a log, and what is shared with the grader for large fields and
+for large meshes.
+
 It puts the protocol's pipe aside and turns descriptor 1 to a log, so that whatever the
 implementation or a library under it prints cannot mix with the protocol. It answers a first frame
 with the declaration, and each further frame with a mesh or with how the call failed. What it cannot
@@ -7,9 +10,8 @@ catch (exit, crash, hang, memory) the grader sees from outside.
 
 Messages
 --------
-load    ``{"load": spec, "path": [..], "files": prefix}``: answered by ``{"declaration": {..}}``
-        or ``{"error": .., "unknown": ..}``, unknown where nothing has this name; `path` is
-        Python's, `files` begins the names of files for arrays
+load    ``{"load": spec, "path": [..]}``: answered by ``{"declaration": {..}}`` or
+        ``{"error": .., "unknown": ..}``, unknown where nothing has this name; `path` is Python's
 run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "writeable": bool,
         "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples; where they are
         samples of a known function, that one too, pickled: "function". Answered by the same ``id``
@@ -23,6 +25,7 @@ from __future__ import annotations
 import base64
 import faulthandler
 import gc
+import mmap
 import os
 import pickle
 import signal
@@ -30,7 +33,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -44,6 +47,7 @@ from isograde.adapters.exchange import FULL
 from isograde.adapters.forms import AnswerError, arrays_from, normals_in
 from isograde.adapters.frames import Arrays, Header, pack, unpack
 from isograde.adapters.loading import Call, load
+from isograde.adapters.shared import Shared
 from isograde.adapters.texts import SENT, clean
 from isograde.declaration import declaration_json
 from isograde.model import AdapterError, Kind, Status, UnknownName
@@ -51,23 +55,26 @@ from isograde.model import AdapterError, Kind, Status, UnknownName
 # A worker whose grader is gone ends itself this long after the time limit.
 GRACE_SECONDS = 10.0
 RESET_PEAK = b"5"
+WORDS = (1, 2, 4, 8)
+PAGE = mmap.PAGESIZE
 
 
-def main(log: int) -> None:
+def main(log: int, asked: int, answered: int) -> None:
     """Serve frames until the grader closes the pipe."""
+    fields, meshes = Shared(asked), Shared(answered)
     source, sink = _set_pipes_aside(log)
     faulthandler.enable()
     read, memory = _reader(source), Memory()
     try:
-        asked, _ = unpack(read)
-        extract, files = _serve_load(asked, sink), Path(asked["files"])
+        wanted, _ = unpack(read)
+        extract = _serve_load(wanted, sink)
         while extract is not None:
-            header, arrays = unpack(read, mmap_mode="r")
+            header, arrays = unpack(read, shared=fields, mapped=True)
             signal.setitimer(signal.ITIMER_REAL, header["seconds"] + GRACE_SECONDS)
             answer = _call(extract, header, arrays[0], memory)
             try:
-                frame = pack(*answer, files)
-            except OSError as error:  # The folder is full, or gone.
+                frame = pack(*answer, meshes)
+            except OSError as error:  # There is no room, or it was closed.
                 word = "full" if error.errno in FULL else "detail"
                 bad: Header = {"status": Status.GARBAGE, "seconds": 0.0, "peak": 0}
                 frame = pack({"id": header["id"], **bad, word: str(error)})
@@ -128,7 +135,7 @@ def _call(
     extract: Call, header: Header, samples: NDArray[Any], memory: Memory
 ) -> tuple[Header, Arrays]:
     """The answer to one request: how it went, what it cost, and the mesh if there is one."""
-    given = _laid_out(samples, header["strides"])
+    given = laid_out(samples, header["strides"])
     if not header["writeable"]:
         given.flags.writeable = False
     kind = Kind(len(header["spacing"]), len(header["isovalues"]))
@@ -139,7 +146,7 @@ def _call(
     status, detail, arrays = _outcome(asked, header["calls"])
     cost = {"seconds": asked.seconds, "processor": asked.processor, "peak": asked.bytes}
     report: Header = {"status": status, "detail": detail, **cost}
-    return {**report, "id": header["id"], "changed": _differ(samples, given)}, arrays
+    return {**report, "id": header["id"], "changed": differ(samples, given)}, arrays
 
 
 def _outcome(asked: Asked, calls: str) -> tuple[Status, str, Arrays]:
@@ -164,7 +171,7 @@ def _told(error: Exception) -> str:
     )
 
 
-def _laid_out(samples: NDArray[Any], strides: list[int]) -> NDArray[Any]:
+def laid_out(samples: NDArray[Any], strides: Sequence[int]) -> NDArray[Any]:
     """A copy of the samples, with these strides in memory."""
     lowest = sum((n - 1) * s for n, s in zip(samples.shape, strides, strict=True) if s < 0)
     highest = sum((n - 1) * s for n, s in zip(samples.shape, strides, strict=True) if s > 0)
@@ -174,10 +181,16 @@ def _laid_out(samples: NDArray[Any], strides: list[int]) -> NDArray[Any]:
     return given
 
 
-def _differ(samples: NDArray[Any], given: NDArray[Any]) -> bool:
+def differ(samples: NDArray[Any], given: NDArray[Any]) -> bool:
     """Whether the samples are no longer those that were given."""
-    floats = samples.dtype.kind == "f"
-    return given.shape != samples.shape or not np.array_equal(samples, given, equal_nan=floats)
+    if given.shape != samples.shape:
+        return True
+    # Numbers of the same bits are the same, and nearly always they are.
+    if samples.itemsize in WORDS and given.dtype == samples.dtype:
+        word = f"u{samples.itemsize}"
+        if np.array_equal(samples.view(word), given.view(word)):
+            return False
+    return not np.array_equal(samples, given, equal_nan=samples.dtype.kind == "f")
 
 
 # --- ways to put a request -----------------------------------------------------------------------
@@ -321,14 +334,16 @@ class Memory:
         try:
             self._reset = os.open("/proc/self/clear_refs", os.O_WRONLY)
             self._status = os.open("/proc/self/status", os.O_RDONLY)
+            self._now = os.open("/proc/self/statm", os.O_RDONLY)
         except OSError:
-            self._reset = self._status = -1
+            self._reset = self._status = self._now = -1
 
     def reset(self) -> int:
         """Resident bytes now; where the system can, the peak is counted from here."""
-        if self._reset >= 0:
-            os.pwrite(self._reset, RESET_PEAK, 0)
-        return self.peak()
+        if self._now < 0:
+            return self.peak()
+        os.pwrite(self._reset, RESET_PEAK, 0)
+        return PAGE * int(os.pread(self._now, 1 << 10, 0).split()[1])
 
     def peak(self) -> int:
         """The largest number of resident bytes, since `reset` where the system can."""
@@ -342,4 +357,4 @@ class Memory:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(*map(int, sys.argv[1:4]))

@@ -17,15 +17,15 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 from isoref.mesh import Mesh
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.spatial import KDTree
 
 from isograde.declaration import Declaration
 from isograde.model import Finding, Judge, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import tied_saddle
-from isograde.oracles.complexes import Complex, components_of
+from isograde.oracles.complexes import Complex
 from isograde.oracles.degree import Meetings, meetings
 from isograde.oracles.flat import LIMIT, MOST
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.rows import components_of, distinct, near_pairs
 from isograde.oracles.traces import Traces, traces
 
 T = TypeVar("T")
@@ -149,13 +149,12 @@ def placed(trial: Trial, mesh: Mesh) -> Complex:
 
 def clusters(points: Floats, tolerance: float) -> Integers:
     """(V,) for each vertex one that stands for all within the tolerance of it, chained."""
-    _, first, name = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
-    if tolerance > 0 and len(first) > 1:
-        near = KDTree(points[first]).query_pairs(tolerance, output_type="ndarray").T
-        _, cluster = components_of(len(first), near)
+    first, name = distinct(points + 0.0)
+    if tolerance > 0:
+        _, cluster = components_of(len(first), near_pairs(points[first], tolerance))
         example = np.unique(cluster, return_index=True)[1]
         first = first[example[cluster]]
-    renamed: Integers = first[name.reshape(-1)]
+    renamed: Integers = first[name]
     return renamed
 
 
@@ -177,9 +176,9 @@ def welded_at_ties(trial: Trial) -> Complex:
         found, lattice = complex_of(trial), lattice_of(trial)
         at = np.flatnonzero(lattice.at_tie(found.points))
         sample = np.rint(found.points[at]).astype(np.int64)
-        _, first, group = np.unique(sample, axis=0, return_index=True, return_inverse=True)
+        first, group = distinct(sample)
         name = np.arange(len(found.points))
-        name[at] = at[first[group.reshape(-1)]]
+        name[at] = at[first[group]]
         points = found.points.copy()
         points[at] = sample
         return Complex(points, found.simplices).renamed(name)

@@ -40,6 +40,7 @@ from isograde.oracles.bilinear import tied_saddles
 from isograde.oracles.complexes import Complex
 from isograde.oracles.crossing_segments import crossing_segments
 from isograde.oracles.lattice import SINGLE, Lattice, components, crossing_share
+from isograde.oracles.rows import distinct
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.split import corners_of, locate
 from isograde.oracles.standing import has_inside, least_faces, mixed, near_active
@@ -64,9 +65,13 @@ def whole_of(trial: Trial) -> Lattice:
 
 def used_places(trial: Trial) -> Floats:
     """(V, n) index coordinates of the vertices that a simplex names, each once."""
-    found = complex_of(trial)
-    places: Floats = np.unique(found.points[found.used] + 0.0, axis=0)
-    return places
+
+    def compute() -> Floats:
+        found = complex_of(trial)
+        places: Floats = found.points[found.used] + 0.0
+        return places[distinct(places)[0]]
+
+    return remembered(trial, "used places", compute)
 
 
 def vertices(trial: Trial) -> Finding:

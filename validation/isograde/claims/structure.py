@@ -25,6 +25,7 @@ from isograde.claims.evidence import (
     skipped,
 )
 from isograde.model import Claim, Finding, Judge, Status, Trial, Verdict
+from isograde.oracles.rows import distinct
 
 DESIGN = "isograde design: vertices (V, n), simplices (S, n - m + 1), indices from 0"
 
@@ -141,16 +142,15 @@ def apart(trial: Trial) -> Finding:
     places = found.points[found.used] + 0.0
     if len(places) < 2:
         return skipped("there are not two vertices")
-    distinct, times = np.unique(places, axis=0, return_counts=True)
-    if len(distinct) == len(places):
+    first, name = distinct(places)
+    if len(first) == len(places):
         return passed(vertices=len(places))
-    count = len(places) - len(distinct)
+    count, worst = len(places) - len(first), places[first[np.bincount(name).argmax()]]
     stand = "1 vertex stands" if count == 1 else f"{count} vertices stand"
     return failed(
-        f"{stand} where another does, {'' if count == 1 else 'one '}at index "
-        f"{place(distinct[times.argmax()])}",
+        f"{stand} where another does, {'' if count == 1 else 'one '}at index {place(worst)}",
         count=count,
-        first=place(distinct[times.argmax()]),
+        first=place(worst),
     )
 
 

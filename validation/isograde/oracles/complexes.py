@@ -39,8 +39,8 @@ from math import factorial
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+
+from isograde.oracles.rows import components_of, distinct
 
 # The largest dimension of simplices for which "manifold" is decided and not only bounded.
 EXACT = 3
@@ -102,8 +102,9 @@ class Complex:
     def welded(self) -> Complex:
         """The same, vertices of exactly equal coordinates made one."""
         # Adding zero makes the two zeros of floating point one.
-        points, name = np.unique(self.points + 0.0, axis=0, return_inverse=True)
-        return Complex.of(points, name.reshape(-1)[self.simplices])
+        points = self.points + 0.0
+        first, name = distinct(points)
+        return Complex.of(points[first], name[self.simplices])
 
     # --- facets ---------------------------------------------------------------------------------
 
@@ -225,7 +226,7 @@ class Complex:
         bad[owner[link.singular_vertices]] = True
         # One connected part a vertex.
         _, part = components_of(len(owner), link.pairs)
-        parts = np.unique(np.stack([owner, part], axis=1), axis=0)[:, 0]
+        parts = owner[distinct(np.stack([owner, part], axis=1))[0]]
         bad |= np.bincount(parts, minlength=len(bad)) > 1
         # The Euler characteristic of a sphere, or of a ball where the link has a boundary.
         bounded = np.zeros(len(bad), bool)
@@ -333,14 +334,6 @@ class Complex:
             return float((self.points[self.simplices[:, 0]] * self.normals).sum() / 6)
         place = self.points[self.simplices] - self.points.mean(axis=0)
         return float(np.linalg.det(place).sum() / factorial(self.k + 1))
-
-
-def components_of(nodes: int, pairs: Integers) -> tuple[int, Integers]:
-    """Number of components of the graph with these (2, n) pairs, and each node's component."""
-    weights = np.ones(pairs.shape[1], np.int8)
-    graph = coo_array((weights, (pairs[0], pairs[1])), shape=(nodes, nodes))
-    count, label = connected_components(graph, directed=False)
-    return int(count), np.asarray(label, np.int64)
 
 
 def parity(rows: Integers) -> Integers:

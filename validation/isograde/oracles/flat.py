@@ -45,7 +45,7 @@ from itertools import pairwise
 import numpy as np
 from isoref.field import Booleans, Integers
 
-from isograde.oracles.complexes import components_of
+from isograde.oracles.rows import components_of
 
 MOST = 8
 LIMIT = 4096

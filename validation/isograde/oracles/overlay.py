@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
-from scipy.spatial import KDTree
 
-from isograde.oracles.complexes import Complex, components_of, parity
+from isograde.oracles.complexes import Complex, parity
+from isograde.oracles.rows import components_of, distinct, near_pairs
 
 
 def names(one: Floats, other: Floats, tolerance: float) -> tuple[Integers, Integers]:
@@ -27,11 +27,10 @@ def names(one: Floats, other: Floats, tolerance: float) -> tuple[Integers, Integ
     >>> [x.tolist() for x in names(np.array([[0.0], [1.0]]), np.array([[1 + 1e-9]]), 1e-6)]
     [[0, 1], [1]]
     """
-    points, name = np.unique(np.concatenate([one, other]) + 0.0, axis=0, return_inverse=True)
-    name = name.reshape(-1)
-    if len(points) > 1:
-        near = KDTree(points).query_pairs(tolerance, p=np.inf, output_type="ndarray").T
-        name = components_of(len(points), near)[1][name]
+    points = np.concatenate([one, other]) + 0.0
+    first, name = distinct(points)
+    near = near_pairs(points[first], tolerance, along_axes=True)
+    name = components_of(len(first), near)[1][name]
     return name[: len(one)], name[len(one) :]
 
 
@@ -42,10 +41,10 @@ def unmatched(one: Complex, other: Complex, tolerance: float) -> tuple[Integers,
     """
     first, second = names(one.points, other.points, tolerance)
     rows = [_rows(mesh.simplices, name) for mesh, name in ((one, first), (other, second))]
-    every, group = np.unique(np.concatenate([row for row, _ in rows]), axis=0, return_inverse=True)
-    group = group.reshape(-1)
+    first_of, group = distinct(np.concatenate([row for row, _ in rows]))
     mine, theirs = group[: len(rows[0][0])], group[len(rows[0][0]) :]
-    count = np.bincount(mine, minlength=len(every)) - np.bincount(theirs, minlength=len(every))
+    size = len(first_of)
+    count = np.bincount(mine, minlength=size) - np.bincount(theirs, minlength=size)
     return rows[0][1][count[mine] > 0], rows[1][1][count[theirs] < 0]
 
 

@@ -51,6 +51,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.oracles.bounded import EPS, Bounded, Numbers, integers
+from isograde.oracles.rows import distinct
 
 PORTION = 200_000
 """Pairs of triangles that are compared at a time."""
@@ -69,7 +70,8 @@ def self_intersections(points: Floats, faces: Integers) -> Integers:
     found = [np.empty((0, 2), np.int64)]
     for pairs in near_pairs(points, faces):
         found.append(pairs[_meet(points, faces, pairs)])
-    crossing: Integers = np.unique(np.concatenate(found), axis=0)
+    every = np.concatenate(found)
+    crossing: Integers = every[distinct(every)[0]]
     return crossing
 
 

@@ -28,9 +28,9 @@ from enum import StrEnum
 import numpy as np
 from isoref.field import Booleans, Field, Floats, Integers
 
-from isograde.oracles.complexes import components_of
 from isograde.oracles.flat import Readings
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.rows import components_of, distinct
 from isograde.oracles.traces import Traces, traces
 from isograde.oracles.trilinear import EDGES, FACES, NONE, Truths
 
@@ -89,7 +89,8 @@ def sheets(places: Floats, triangles: Integers, row: Integers, index: Integers) 
     owner, vertex = np.divmod(keys, max(len(places), 1))
     edge = _edges_of(places[vertex], index[owner])
     ends = np.sort(local[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    pairs, uses = np.unique(ends, axis=0, return_counts=True)
+    first, name = distinct(ends)
+    pairs, uses = ends[first], np.bincount(name)
     _, component = components_of(len(keys), pairs.T)
 
     n = len(index)

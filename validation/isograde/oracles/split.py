@@ -45,6 +45,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.oracles.lattice import Lattice
+from isograde.oracles.rows import distinct
 from isograde.oracles.standing import active
 
 # Places are looked up so many at a time.
@@ -170,7 +171,7 @@ def sections(lattice: Lattice, places: Floats, mesh: Integers, corner: Integers)
     right = _bounded(mesh[part][kept], row[kept], masks[kept], inside)
     whole = (1 << (lattice.n + 1)) - 1
     keys = np.column_stack([np.repeat(row[kept], mesh.shape[1]), mesh[part][kept].reshape(-1)])
-    strictly = np.unique(keys[(masks[kept] == whole).reshape(-1)], axis=0)[:, 0]
+    strictly = _listed(keys[(masks[kept] == whole).reshape(-1)])[0][:, 0]
     return Sections(
         corners,
         inside,
@@ -192,7 +193,7 @@ def _active(lattice: Lattice, corner: Integers, simplices: Integers) -> Integers
     period = np.array(lattice.declared.split.period(lattice.n))
     # A simplex with both sides is in a block with an active cell.
     cells = np.argwhere(active(lattice)) + corner
-    blocks = np.unique(cells // period, axis=0) * period - corner
+    blocks = _listed(cells // period)[0] * period - corner
     found = []
     for number, simplex in enumerate(simplices):
         at = blocks[_in_lattice(lattice, blocks[:, None, :] + simplex)]
@@ -204,8 +205,8 @@ def _active(lattice: Lattice, corner: Integers, simplices: Integers) -> Integers
 
 def _listed(rows: Integers) -> tuple[Integers, Integers]:
     """The distinct rows, and where each given one is among them."""
-    names, where = np.unique(rows, axis=0, return_inverse=True)
-    return names, where.reshape(-1)
+    first, where = distinct(rows)
+    return rows[first], where
 
 
 def _masks(
@@ -267,7 +268,7 @@ def _bounded(parts: Integers, row: Integers, masks: Integers, inside: Booleans) 
     bits: Integers = inside @ (1 << np.arange(n + 1))
     mixed = (face & bits[row] != 0) & (face & ~bits[row] != 0) & (masks[:, 0] == face)
     right[row[~mixed]] = False
-    flags = np.unique(np.column_stack([row, flag]), axis=0)
+    flags, _ = _listed(np.column_stack([row, flag]))
     within = inside.sum(axis=1)
     wanted = within * (n + 1 - within) * factorial(n - 1)
     right &= np.bincount(row, minlength=len(inside)) == wanted

@@ -28,8 +28,8 @@ from itertools import combinations
 import numpy as np
 from isoref.field import Array, Booleans, Floats, Integers
 
-from isograde.oracles.complexes import components_of
 from isograde.oracles.lattice import Lattice, components
+from isograde.oracles.rows import components_of, distinct
 
 NODES = ((0, 1), (1, 0), (1, 2), (2, 1))
 CORNERS = ((0, 0), (0, 2), (2, 0), (2, 2))
@@ -135,8 +135,9 @@ def squares(lattice: Lattice, places: Floats, segments: Integers) -> Squares:
     # List the squares of the field and of the mesh.
     signs = _signs(lattice, shape)
     active = np.argwhere((signs > 0) & (signs < 15))
-    listed, where = np.unique(np.concatenate([active, corner[proper]]), axis=0, return_inverse=True)
-    row = where.reshape(-1)[len(active) :]
+    every = np.concatenate([active, corner[proper]])
+    first, where = distinct(every)
+    listed, row = every[first], where[len(active) :]
     code, odd, inner = _curves(lattice, places, segments[proper], row, listed)
     x, y = listed.T
     tied = lattice.tied

@@ -63,6 +63,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from isograde.oracles.bounded import Bounded, Ints, Numbers, integers
+from isograde.oracles.rows import distinct
 
 NONE, CORNER, FACE, BODY = 0, 1, 2, 3
 TIES = ("none", "a corner on the isovalue", "a face saddle on it", "a body saddle on it")
@@ -389,10 +390,11 @@ def _cells(values: ArrayLike, isovalue: float, *, skip_plain: bool) -> Truths:
     raw = np.asarray(values)
     raw = raw.reshape(-1, 8)
     reading, exact = _read_all(raw, isovalue, skip_plain)
-    rows, back = np.unique(reading.rows, axis=0, return_inverse=True)
+    first, back = distinct(reading.rows)
+    rows = reading.rows[first]
     answers = [topology(tuple(row)) if all(row[:8]) else None for row in rows.tolist()]
     rim, body, euler = (
-        np.array([a[part] if a else blank for a in answers], np.int64)[back.reshape(-1)]
+        np.array([a[part] if a else blank for a in answers], np.int64)[back]
         if answers
         else np.zeros((0, 8) if part < 2 else 0, np.int64)
         for part, blank in ((0, (0,) * 8), (1, (0,) * 8), (2, 0))

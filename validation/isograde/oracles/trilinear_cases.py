@@ -44,6 +44,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from isograde.oracles.rows import distinct
 from isograde.oracles.trilinear import (
     EDGES,
     FACES,
@@ -387,18 +388,18 @@ def case_names(truths: Truths) -> NDArray[np.str_]:
     """The case of each cell; meaningless where the cell is a tie."""
     signs = np.where(truths.high, 1, -1)
     rows = np.column_stack([signs, truths.faces, truths.body])
-    unique, back = np.unique(rows, axis=0, return_inverse=True)
+    first, back = distinct(rows)
     names = [
         case_name(Topology(tuple(row[:8]), tuple(row[8:14]), tuple(row[14:])))
         if tied == 0
         else "tie"
-        for row, tied in zip(unique.tolist(), _ties_of(truths, back), strict=True)
+        for row, tied in zip(rows[first].tolist(), _ties_of(truths, back), strict=True)
     ]
-    return np.array(names, np.str_)[back.reshape(-1)]
+    return np.array(names, np.str_)[back]
 
 
 def _ties_of(truths: Truths, back: NDArray[np.int64]) -> list[int]:
     """For each unique row whether a cell that has it is tied."""
     worst = np.zeros(int(back.max(initial=-1)) + 1, np.int64)
-    np.maximum.at(worst, back.reshape(-1), truths.ties)
+    np.maximum.at(worst, back, truths.ties)
     return [int(x) for x in worst]
