@@ -7,7 +7,16 @@ import pymeshlab
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from isograde.oracles.self_intersections import self_intersections
+from isograde.oracles.bounded import integers
+from isograde.oracles.self_intersections import (
+    _apart,
+    _apart_at_edge,
+    _apart_at_vertex,
+    _ask,
+    _parted,
+    _shared_first,
+    self_intersections,
+)
 from isoref.field import Field, Floats, Integers
 from isoref.methods import METHODS
 from scipy.optimize import linprog
@@ -106,8 +115,10 @@ def test_faces_are_those_of_meshlab(shift: float) -> None:
     assert len(found) > 0
 
 
-def test_bins_miss_no_pair() -> None:
-    """Triangles of all sizes, compared with every pair by itself."""
+@pytest.mark.parametrize("few", [0, 48])
+def test_bins_miss_no_pair(few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Triangles of all sizes, compared with every pair by itself; with bins, and without."""
+    monkeypatch.setattr("isograde.oracles.self_intersections.FEW", few)
     rng = np.random.default_rng(0)
     points = rng.normal(size=(16, 1, 3)) + rng.lognormal(0, 1, (16, 1, 1)) * rng.normal(
         size=(16, 3, 3)
@@ -124,3 +135,30 @@ def test_an_empty_mesh_has_none() -> None:
     nothing = np.empty((0, 3), np.int64)
     assert len(self_intersections(np.empty((0, 3)), nothing)) == 0
     assert len(self_intersections(np.eye(3), np.array([[0, 1, 2]]))) == 0
+
+
+@pytest.mark.parametrize("shared", [0, 1, 2])
+@pytest.mark.parametrize("whole", [True, False])
+def test_what_floating_point_parts_is_apart_in_integers(shared: int, whole: bool) -> None:
+    """The filter beside the exact question it spares; on triangles without ties it is rarely open.
+
+    The shared corners stand anywhere among a triangle's three, in either order.
+    """
+    random = np.random.default_rng(shared)
+    count = 3000
+    points = random.integers(-2, 3, (count, 6, 3)) if whole else random.normal(size=(count, 6, 3))
+    rows = 6 * np.arange(count)[:, None]
+    one, other = np.array([0, 1, 2]) + rows, np.array([0, 1, 2]) + rows
+    other[:, shared:] = np.arange(3, 6 - shared) + rows
+    faces = random.permuted(np.concatenate([one, other]), axis=1)
+    pairs = np.stack([np.arange(count), np.arange(count, 2 * count)], axis=1)
+    places = points.reshape(-1, 3).astype(np.float64)
+    parted = _parted(places, faces, pairs)
+    corners, found = _shared_first(faces[pairs])
+    assert (found == shared).all()
+    exact = integers(places[corners].reshape(-1, 18))
+    apart = _ask((_apart, _apart_at_vertex, _apart_at_edge)[shared], exact)
+    assert parted.any()
+    assert not (parted & ~apart).any()
+    if not whole:
+        assert np.array_equal(parted, apart)

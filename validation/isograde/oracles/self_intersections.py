@@ -21,9 +21,10 @@ What is asked of a pair is whether something parts them:
                     other.
     an edge         the triangles are in different half planes of the edge.
 
-Most pairs are parted by the plane of one of the triangles, and one determinant a corner says so
-(`_parted_by_planes`). Of the rest every sign is tried in floating point with a bound on its error
-(`isograde.oracles.bounded`); the pairs that nothing parts for certain are asked again in integers.
+Nearly all pairs are parted for certain, mostly by the plane of one of the triangles, and a few
+determinants in floating point say so (`_parted`). Of the rest every sign is tried in floating point
+with a bound on its error (`isograde.oracles.bounded`); the pairs that nothing parts for certain are
+asked again in integers.
 Triangles without area, and pairs of triangles with the same three vertices, are left out: other
 claims name them.
 
@@ -56,6 +57,9 @@ from isograde.oracles.rows import distinct
 PORTION = 200_000
 """Pairs of triangles that are compared at a time."""
 
+FEW = 48
+"""Faces of which all pairs are compared."""
+
 FINE = 64
 """Differences of coordinates are below 2 FINE^2 = 2^13, and every number below 3 * 2^54."""
 
@@ -77,42 +81,128 @@ def self_intersections(points: Floats, faces: Integers) -> Integers:
 
 def _meet(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
     """(n,) the triangles of the pair meet in more than they share."""
-    corners, shared = _shared_first(faces[pairs])
     meet = np.zeros(len(pairs), bool)
-    open_ = ~_parted_by_planes(points[corners], shared)
+    open_ = np.flatnonzero(~_parted(points, faces, pairs))
+    corners, shared = _shared_first(faces[pairs[open_]])
     for number, apart in enumerate((_apart, _apart_at_vertex, _apart_at_edge)):
-        rows = np.flatnonzero(open_ & (shared == number))
+        rows = np.flatnonzero(shared == number)
+        if not len(rows):
+            continue
         rows = rows[~_ask(apart, points[corners[rows]])]
         fine = _on_fine_grid(points[corners[rows]])
         for some, numbers in ((rows[fine], _small), (rows[~fine], integers)):
-            meet[some] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
+            meet[open_[some]] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
     return meet
 
 
-def _parted_by_planes(corners: Floats, shared: Integers) -> Booleans:
-    """(n,) the plane of one triangle parts the two for certain, the corners they share apart.
+def _parted(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
+    """(n,) something parts the two triangles for certain, the corners they share apart.
 
-    corners : (n, 2, 3, 3) of both triangles, the `shared` ones first
+    What floating point leaves open is not parted: touches, triangles in one plane, near misses.
     """
-    free = np.arange(3) >= shared[:, None]
-    parted = np.zeros(len(corners), bool)
-    for p, q in ((corners[:, 0], corners[:, 1]), (corners[:, 1], corners[:, 0])):
-        side = _side_of_plane(p, q)
-        parted |= ((side > 0) | ~free).all(axis=1) | ((side < 0) | ~free).all(axis=1)
-    return np.asarray(parted & (shared < 3))
+    planes = _planes(points, faces)
+    one, other = faces[pairs[:, 0]], faces[pairs[:, 1]]
+    same = one[:, :, None] == other[:, None, :]
+    common = same.any(axis=2), same.any(axis=1)
+    shared = common[0].sum(axis=1)
+    parted = np.zeros(len(pairs), bool)
+    for number, parts in enumerate((_disjoint_parted, _vertex_parted, _edge_parted)):
+        rows = np.flatnonzero(shared == number)
+        if len(rows):
+            free = [
+                np.take_along_axis(face[rows], _free(held[rows]), axis=1)[:, : 3 - number]
+                for face, held in ((one, common[0]), (other, common[1]))
+            ]
+            near = [planes[pairs[rows, side]] for side in (0, 1)]
+            parted[rows] = parts(near, [points[corners] for corners in free])
+    return parted
 
 
-def _side_of_plane(p: Floats, q: Floats) -> Integers:
-    """(n, 3) on which side of p's plane each corner of q is, 0 where rounding leaves it open.
+def _free(held: Booleans) -> Integers:
+    """(n, 3) the corners of each triangle, those it shares last; of two, as they run round it."""
+    return _FREE_FIRST[held @ (1, 2, 4)]
+
+
+_FREE_FIRST = np.array(
+    [[0, 1, 2], [1, 2, 0], [2, 0, 1], [2, 0, 1], [0, 1, 2], [1, 0, 2], [0, 1, 2], [0, 1, 2]]
+)
+"""By the corners that are shared, one bit each."""
+
+
+def _disjoint_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+    """(n,) triangles that share nothing are parted by the plane of one, or along a side of each."""
+    p, q = free
+    side = _side_of_plane(planes[0], q)
+    parted = (side > 0).all(axis=1) | (side < 0).all(axis=1)
+    for rest_of in (_parted_by_other_plane, _parted_along_sides):
+        rows = np.flatnonzero(~parted)
+        if len(rows):
+            parted[rows] = rest_of(planes[1][rows], p[rows], q[rows])
+    return np.asarray(parted)
+
+
+def _parted_by_other_plane(plane: Floats, p: Floats, q: Floats) -> Booleans:
+    """(n,) all of p is on one side of q's plane."""
+    del q
+    side = _side_of_plane(plane, p)
+    return np.asarray((side > 0).all(axis=1) | (side < 0).all(axis=1))
+
+
+def _parted_along_sides(plane: Floats, p: Floats, q: Floats) -> Booleans:
+    """(n,) along an axis across a side of each, one is for certain further than the other.
+
+    However an axis was rounded, triangles that are apart along it are apart.
+    """
+    del plane
+    origin = p[:, :1]
+    p, q = p - origin, q - origin
+    along, other = (np.roll(corners, -1, axis=1) - corners for corners in (p, q))
+    axes = np.cross(along[:, :, None], other[:, None]).reshape(-1, 9, 3)
+    here, there = axes @ p.transpose(0, 2, 1), axes @ q.transpose(0, 2, 1)
+    largest = np.maximum(np.abs(p).max(axis=1), np.abs(q).max(axis=1))
+    bound = 32 * EPS * (np.abs(axes) * largest[:, None]).sum(axis=2) + 1e-300
+    after = there.min(axis=2) - here.max(axis=2) > bound
+    before = here.min(axis=2) - there.max(axis=2) > bound
+    return np.asarray((after | before).any(axis=1))
+
+
+def _vertex_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+    """(n,) triangles that share a corner meet, for certain, in nothing else.
+
+    With n and m the normals, a0, a1 and b0, b1 the sides that leave the corner, `_apart_at_vertex`
+    asks for the signs of n.b0, n.b1, m.a0, m.a1 and of determinants, which are these but for sign:
+    det(ai, bj, ak) = -n.bj for i = 0, and so on. Where either pair has one sign, a plane of a
+    triangle parts them; else what is across a side of each, where n.b0 and m.a0 have one sign.
+    """
+    s, t = _side_of_plane(planes[0], free[1]), _side_of_plane(planes[1], free[0])
+    alike = (s[:, 0] * s[:, 1] > 0) | (t[:, 0] * t[:, 1] > 0)
+    across = (s[:, 0] * s[:, 1] < 0) & (t[:, 0] * t[:, 1] < 0) & (s[:, 0] * t[:, 0] > 0)
+    return np.asarray(alike | across)
+
+
+def _edge_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+    """(n,) triangles that share an edge are, for certain, not in one plane."""
+    return np.asarray(_side_of_plane(planes[0], free[1])[:, 0] != 0)
+
+
+def _planes(points: Floats, faces: Integers) -> Floats:
+    """(F, 3, 3) of each triangle its first corner, its normal, and the size of what made that."""
+    p = points[faces]
+    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    after, before = [1, 2, 0], [2, 0, 1]
+    one, other = a[:, after] * b[:, before], a[:, before] * b[:, after]
+    return np.stack([p[:, 0], one - other, np.abs(one) + np.abs(other)], axis=1)
+
+
+def _side_of_plane(planes: Floats, places: Floats) -> Integers:
+    """(n, k) on which side of its plane each place (n, k, 3) is, 0 where rounding leaves it open.
 
     The bound is that of [3], section 4, for the determinant of differences, doubled.
     """
-    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    c = q - p[:, :1]
-    after, before = [1, 2, 0], [2, 0, 1]
-    one, other = a[:, after] * b[:, before], a[:, before] * b[:, after]
-    determinant = (c * (one - other)[:, None]).sum(axis=2)
-    bound = 16 * EPS * (np.abs(c) * (np.abs(one) + np.abs(other))[:, None]).sum(axis=2) + 1e-300
+    start, normal, size = (planes[:, None, part] for part in range(3))
+    away = places - start
+    determinant = (away * normal).sum(axis=2)
+    bound = 16 * EPS * (np.abs(away) * size).sum(axis=2) + 1e-300
     return np.asarray((determinant > bound).astype(np.int64) - (determinant < -bound))
 
 
@@ -142,11 +232,20 @@ def _small(rows: Floats) -> Integers:
 def near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
     """Pairs (n, 2) of faces whose boxes meet, each once or more often, in portions."""
     low, high = points[faces].min(axis=1), points[faces].max(axis=1)
-    for one, other in _in_one_bin(*_bins(low, high)):
+    for one, other in _every_pair(len(faces)) or _in_one_bin(*_bins(low, high)):
         near = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
         first, second = np.minimum(one, other)[near], np.maximum(one, other)[near]
-        keys = np.unique(first * len(faces) + second)
+        keys = np.sort(first * len(faces) + second)
+        keys = keys[np.diff(keys, prepend=-1) > 0]
         yield np.stack(np.divmod(keys, max(len(faces), 1)), axis=1)
+
+
+def _every_pair(count: int) -> list[tuple[Integers, Integers]]:
+    """All pairs of so few faces that sorting them into bins costs more; else no portion."""
+    if count > FEW:
+        return []
+    one, other = np.triu_indices(count, 1)
+    return [(one, other)]
 
 
 def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers]:
