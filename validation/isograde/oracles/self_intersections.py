@@ -120,7 +120,8 @@ def _parted(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
 
 def _free(held: Booleans) -> Integers:
     """(n, 3) the corners of each triangle, those it shares last; of two, as they run round it."""
-    return _FREE_FIRST[held @ (1, 2, 4)]
+    order: Integers = _FREE_FIRST[held @ np.array([1, 2, 4])]
+    return order
 
 
 _FREE_FIRST = np.array(
@@ -133,12 +134,12 @@ def _disjoint_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
     """(n,) triangles that share nothing are parted by the plane of one, or along a side of each."""
     p, q = free
     side = _side_of_plane(planes[0], q)
-    parted = (side > 0).all(axis=1) | (side < 0).all(axis=1)
+    parted = np.asarray((side > 0).all(axis=1) | (side < 0).all(axis=1))
     for rest_of in (_parted_by_other_plane, _parted_along_sides):
         rows = np.flatnonzero(~parted)
         if len(rows):
             parted[rows] = rest_of(planes[1][rows], p[rows], q[rows])
-    return np.asarray(parted)
+    return parted
 
 
 def _parted_by_other_plane(plane: Floats, p: Floats, q: Floats) -> Booleans:
