@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct faults fuzz mutation oldest proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
+.PHONY: explorer help grade test quick lint correct lines faults fuzz mutation oldest proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -19,6 +19,7 @@ help:
 	@echo "make correct     judge every correct extractor of the tests on the whole plan"
 	@echo "make faults      judge every fault of the tests on the whole plan; goes on where it stopped"
 	@echo "make fuzz        inputs that nobody would write: READER=protocol COUNT=1000; goes on where it stopped"
+	@echo "make lines       run the lines of every kept report on the accused and on the reference"
 	@echo "make mutation    mutants of oracles and claims; goes on where it stopped"
 	@echo "make oldest      the lowest NumPy and SciPy that we support give the same verdicts"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
@@ -59,6 +60,9 @@ proof: $(STAMP)
 
 correct: $(STAMP)
 	$(BIN)/python -m tests.isograde.whole_plan
+
+lines: $(STAMP)
+	$(BIN)/python -m tests.isograde.kept_lines
 
 coverage: $(STAMP)
 	$(BIN)/python -m tests.isograde.coverage

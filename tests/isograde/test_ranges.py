@@ -16,10 +16,10 @@ from tests.isograde.judging import Here, grade
 CASE = "noise/white-5x6x7"
 
 
-def measured(function: Any, claim: str) -> Finding:
+def measured(function: Any, claim: str, case: str = CASE) -> Finding:
     """What this claim says of a function in this process."""
     here = Here(function, Declaration("here"))
-    [(_, _, found)] = grade(here, [all_cases()[CASE]], claim)
+    [(_, _, found)] = grade(here, [all_cases()[case]], claim)
     return found
 
 
@@ -97,6 +97,21 @@ def test_samples_of_1e300_beside_ordinary_ones_are_borne_or_not() -> None:
     assert measured(squares, "range.extremes").verdict is Verdict.PASS
     assert measured(overflowing, "range.extremes").verdict is Verdict.FAIL
     assert measured(torn, "range.extremes").verdict is Verdict.FAIL
+
+
+def test_a_crossing_that_rounds_to_a_sample_is_on_neither_side_of_it() -> None:
+    """Of "range.extremes": between 1e300 and 1 no coordinate is left for a crossing beside 1."""
+    assert (
+        measured(mistaken.correct, "range.extremes", "noise/white-10x8x9").verdict is Verdict.PASS
+    )
+
+    def turned(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mistaken.correct(values, isovalue, spacing)
+        return vertices, faces if np.abs(values).max() < 1e200 else faces[:, ::-1]
+
+    found = measured(turned, "range.extremes", "noise/white-10x8x9")
+    assert found.verdict is Verdict.FAIL
+    assert "the samples ask for" in found.detail
 
 
 @pytest.mark.parametrize("name", ["range.scale", "range.shift", "range.digits", "range.extremes"])

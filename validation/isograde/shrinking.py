@@ -66,6 +66,10 @@ def _way(judged: Judged, claim: str) -> tuple[object, ...]:
         finding.verdict,
         frozenset(finding.numbers) & {"vertices", "facets", "spanning", "signs"},
         frozenset(faults),
+        # Whether the level set is that beside the isovalue, since a saddle is on it.
+        judged.evidence is not None
+        and finding.numbers.get("isovalue", judged.evidence.isovalues[0])
+        != judged.evidence.isovalues[0],
         # Of a hole, whether it is none once equal vertices are one.
         finding.numbers.get("boundary_facets_after_welding", -1) == 0,
     )

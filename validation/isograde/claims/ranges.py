@@ -16,11 +16,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+from isoref.field import Field
+from scipy.ndimage import maximum_filter
+
 from isograde import variants
 from isograde.claims import topology
 from isograde.claims.evidence import VERDICT_OF, complex_of, failed, on_mesh, passed, skipped
 from isograde.claims.symmetry import compared, same_simplices
 from isograde.model import Claim, Finding, Status, Trial, Verdict
+from isograde.oracles.lattice import components
 
 DESIGN = "isograde design: magnitudes from tiny to huge, offsets that eat the mantissa"
 LESS = tuple(word for word in variants.MAGNITUDES if word[2] == "-")
@@ -31,6 +36,8 @@ MORE = tuple(word for word in variants.MAGNITUDES if word[2] == "+")
 ROOM = ("2^-10", "2^-20", "2^-30", "2^+10", "2^+20", "2^+30", "2^10")
 # Offsets at which single precision has at most a few digits left of the range, and doubles all.
 BEYOND = tuple(word for word in variants.OFFSETS if word not in ROOM)
+# A sample this much smaller than one across the surface is where a coordinate rounds to it.
+ROUNDED = 2.0**-48
 
 
 def scale(trial: Trial) -> Finding:
@@ -74,17 +81,33 @@ def extremes(trial: Trial) -> Finding:
     if outcome.mesh_of(trial.kind) is None:
         told = "extremes: what came is no mesh of finite coordinates"
         return failed(told, variant="extremes")
-    large = Trial(case, field, trial.declaration, {"plain": outcome})
-    judges = (
-        (topology.closed, topology.sides) if topology.has_facets(trial.kind) else (topology.sides,)
-    )
+    plain = {"plain": outcome}
+    asked = [(topology.sides, Trial(case, _touched(field, isovalues), trial.declaration, plain))]
+    if topology.has_facets(trial.kind):
+        asked.insert(0, (topology.closed, Trial(case, field, trial.declaration, plain)))
     passes = 0
-    for judge in judges:
+    for judge, large in asked:
         finding = judge(large)
         if finding.verdict is Verdict.FAIL:
             return failed(f"extremes: {finding.detail}", variant="extremes")
         passes += finding.verdict is Verdict.PASS
     return passed(held=passes) if passes else skipped("nothing could be judged")
+
+
+def _touched(field: Field, isovalues: tuple[float, ...]) -> Field:
+    """The field, where each sample to which the surface beside it rounds is on the isovalue itself.
+
+    A crossing between 1e300 and 1 is 1e-300 from the sample of 1: no coordinate but 0 tells the two
+    apart, so no mesh can be asked on which side of it the sample is. A vertex inside a cell comes
+    as near to a corner that shares no edge with the one of 1e300.
+    """
+    several = np.array(components(field), np.float64)
+    for values, isovalue in zip(several, isovalues, strict=True):
+        above = values - isovalue
+        size, inside = np.abs(above), above >= 0
+        outer, inner = (maximum_filter(np.where(side, size, 0.0), 3) for side in (~inside, inside))
+        values[size < ROUNDED * np.where(inside, outer, inner)] = isovalue
+    return replace(field, values=several.reshape(field.values.shape))
 
 
 def _told(trial: Trial, ways: dict[str, tuple[str, tuple[str, ...]]]) -> Finding:

@@ -74,8 +74,8 @@ unused = np.setdiff1d(np.arange(len(vertices)), simplices)
 wrong += [f"no simplex uses vertex {{i}}" for i in unused]
 """
 APART = """
-places, count = np.unique(vertices, axis=0, return_counts=True)
-wrong += [f"{{c}} vertices at {{p.tolist()}}" for p, c in zip(places, count) if c > 1]
+places, count = np.unique((vertices / spacing).round(6) + 0.0, axis=0, return_counts=True)
+wrong += [f"{{c}} vertices at index {{p.tolist()}}" for p, c in zip(places, count) if c > 1]
 """
 RANGE = """
 wrong += [f"{{row.tolist()}} of {{len(vertices)}} vertices" for row in simplices
@@ -90,7 +90,8 @@ wrong += [f"vertex {{i}} is {{vertices[i].tolist()}}" for i in bad]
 """
 FLAT = """
 for row in simplices:
-    sides = vertices[row[1:]] - vertices[row[0]]
+    corners = (vertices[row] / spacing).round(6)
+    sides = corners[1:] - corners[0]
     if abs(np.linalg.det(sides @ sides.T)) < 1e-24:
         wrong.append(f"no measure: {{vertices[row].tolist()}}")
 """
@@ -103,7 +104,14 @@ SIDES = """
 n, m = {n}, {m}
 shape = np.array(values.shape[-n:])
 above = values.reshape(m, *shape).astype(float) - np.reshape(isovalue, (m,) + (1,) * n)
-places, aside = vertices / spacing, 1e-5 * np.random.default_rng(0).uniform(0.3, 1, n)
+# A sample so small beside one across the surface that the surface rounds to it is not asked; aside
+# is nearer than any other crossing comes to a sample.
+least = 1e-4
+for f in above if m == 1 else ():
+    high, low = (maximum_filter(np.where(s, abs(f), 0.0), 3) for s in (f > 0, f <= 0))
+    f[abs(f) < 1e-9 * np.where(f > 0, low, high)] = 0
+    least = min([least, *(abs(f)[f != 0] / np.maximum(np.where(f > 0, low, high)[f != 0], 1e-300))])
+places, aside = vertices / spacing, least / 10 * np.random.default_rng(0).uniform(0.3, 1, n)
 
 
 def asked(corner, axes):
@@ -119,7 +127,10 @@ def asked(corner, axes):
     turns = 0
     for (p, q), (r, s) in zip(ring, ring[1:]):
         if (p > 0) != (r > 0):
-            turns += (np.sign(r) if q + (s - q) * p / (p - r) > 0 else 0) * -1
+            other = q + (s - q) * p / (p - r)
+            if abs(other) < 1e-6 * abs(ring).max():  # Both are zero at one place of an edge.
+                return None
+            turns += (np.sign(r) if other > 0 else 0) * -1
     return int(turns)
 
 
@@ -136,19 +147,24 @@ for axes in combinations(range(n), m):
         wanted = asked(corner, axes)
         if wanted is None:
             continue
-        move = np.where(start + 1 < shape, aside, -aside)
-        move[list(axes)], found = 0, 0
-        for row in simplices:
-            here = places[row]
-            left = np.vstack([np.hstack([here.T, -span.T]), [1.0] * len(row) + [0.0] * m])
-            if abs(np.linalg.det(left)) > 1e-12:
-                share = np.linalg.solve(left, [*(start + move), 1.0])
-                if (share > 0).all() and (share[len(row) :] < 1).all():
-                    frame = np.vstack([span, here[1:] - here[0]])
-                    found += int(np.sign(np.linalg.det(frame))) if {signed} else 1
-        if {differs}:
-            what = f"{{found}}, not {{wanted}}"
-            wrong.append(f"from sample {{start.tolist()}} along axes {{axes}}: {{what}}")
+        for way in product((1, -1), repeat=n - m):
+            line = start.astype(float)
+            line[others] += way * aside[others]
+            if (line < 0).any() or (line > shape - 1).any():
+                continue
+            found = 0
+            for row in simplices:
+                here = places[row]
+                left = np.vstack([np.hstack([here.T, -span.T]), [1.0] * len(row) + [0.0] * m])
+                if abs(np.linalg.det(left)) > 1e-25:
+                    share = np.linalg.solve(left, [*line, 1.0])
+                    if (share > 0).all() and (share[len(row) :] < 1).all():
+                        frame = np.vstack([span, here[1:] - here[0]])
+                        found += int(np.sign(np.linalg.det(frame))) if {signed} else 1
+            if {differs}:
+                what = f"{{found}}, not {{wanted}}"
+                wrong.append(f"from sample {{start.tolist()}} along axes {{axes}}: {{what}}")
+                break
 """
 DIFFERS = {
     "signed": "found != {sign} * wanted",
@@ -196,7 +212,8 @@ for place in vertices[np.unique(simplices)] / spacing:
         wrong.append(f"a vertex at index {{place.tolist()}}, in no cell with samples on both sides")
 """
 CROSSING = """
-# Two simplices meet in what they share: no point is strictly inside both.
+# Two simplices meet in what they share: no point is strictly inside both, and where they share no
+# corner, none is in both.
 count = simplices.shape[1]
 for one, other in combinations(simplices, 2):
     a, b = vertices[one] / spacing, vertices[other] / spacing
@@ -212,7 +229,8 @@ for one, other in combinations(simplices, 2):
         A_eq=np.hstack([equal, np.zeros((len(equal), 1))]),
         b_eq=[*[0.0] * a.shape[1], 1.0, 1.0],
     )
-    if found.status == 0 and found.x[-1] > 1e-6:
+    shared = (a[:, None] == b).all(axis=2).any()
+    if found.status == 0 and (found.x[-1] > 1e-6 or not shared):
         where = (a.T @ found.x[:count]).round(4).tolist()
         wrong.append(f"{{one.tolist()}} and {{other.tolist()}} cross at index {{where}}")
 """
@@ -241,9 +259,9 @@ def trace(cell, axis, side):
         here = places[list(edge)] - cell
         if (abs(here[:, axis] - side) < 1e-6).all():
             ends = here[:, [u, v]]
-            flat = abs(ends - ends.round()) < 1e-6
-            found.append(frozenset(
-                (int(f.argmax()), int(e[f.argmax()].round())) for e, f in zip(ends, flat)))
+            flat, within = abs(ends - ends.round()) < 1e-6, (abs(ends - 0.5) < 0.5 + 1e-5).all()
+            met = [(int(f.argmax()), int(e[f.argmax()].round())) for e, f in zip(ends, flat)]
+            found.append(frozenset(met if within else ()))
     return found
 
 
@@ -279,6 +297,8 @@ FACES = (
             if joined != ({wanted}):
                 what = "joins" if joined else "separates"
                 wrong.append(f"cell {{cell}} {{what}} inside corners of its face {{f.tolist()}}")
+        elif ambiguous or (len(found) != 1 and 0 < len(inner) < 4):
+            wrong.append(f"cell {{cell}} has {{len(found)}} segments in its face {{f.tolist()}}")
 """
 )
 WANTED = {
@@ -301,6 +321,13 @@ LEGAL = (
         if set(found) not in right or len(set(found)) < len(found):
             told = [sorted(one) for one in found]
             wrong.append(f"cell {{cell}} on its face {{f.tolist()}}: segments between {{told}}")
+        # What two cells leave in the face between them is the same, whose its flat triangles are.
+        beyond = tuple((np.array(cell) + np.eye(3, dtype=int)[axis]).tolist())
+        if side and beyond[axis] < top[axis] and set(found) != set(trace(beyond, axis, 0)):
+            wrong.append(f"cells {{cell}} and {{beyond}} cut the face between them differently")
+for row in simplices:
+    if (places[row].max(axis=0).round(6) > np.floor(places[row].min(axis=0).round(6)) + 1).any():
+        wrong.append(f"a triangle spans several cells: {{vertices[row].tolist()}}")
 """
 )
 COUNT = (

@@ -172,6 +172,9 @@ for one, other in permutations(loose, 2):
 """
 PERFECT = """
 # No two points at one place, no triangle without area, and (below) no two that cross.
+bad = ~np.isfinite(vertices).all(axis=1)
+wrong += [f"vertex {{i}} is {{vertices[i].tolist()}}" for i in np.flatnonzero(bad)]
+simplices = simplices[~bad[simplices].any(axis=1)]
 used = np.unique(simplices)
 for i, j in combinations(used, 2):
     if np.linalg.norm((vertices[i] - vertices[j]) / spacing) < {margin}:

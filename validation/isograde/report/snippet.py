@@ -68,6 +68,10 @@ from isograde.variants import symmetry_of
 
 # Print so many numbers at most.
 PRINTED = 400
+# A sample this much smaller than another may have a crossing within the judges' tolerance of it.
+TOUCHED = 1e-4
+# Crossings are looked for in a few lines up to so many cells away.
+FAR = 1e6
 # Known bodies that a formula of one line makes.
 BODY_NAME = re.compile(r"bodies/(2|3)-1/(circle|sphere)-\d+-(?P<type>\w+)")
 
@@ -81,7 +85,7 @@ def arrays(answer, n, k):
     if hasattr(answer, "vertices"):
         answer = answer.vertices, getattr(answer, "simplices", getattr(answer, "faces", None))
     if isinstance(answer, tuple):
-        vertices, rows = answer
+        vertices, rows = answer[:2]  # normals, or directions, may follow
         if k == 2:  # polygons, cut into triangles from their first corner
             polygons = [[int(corner) for corner in row if corner >= 0] for row in rows]
             rows = [[p[0], *p[i : i + 2]] for p in polygons for i in range(1, len(p) - 1)]
@@ -133,6 +137,21 @@ for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
     flat = ((pairs[:, 0] == pairs[:, 1]) & (pairs[:, 0] == pairs[:, 0].round())).any(axis=1)
     found.append({{tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()}})
 wrong += [f"from {{a}} to {{b}} in one answer only" for a, b in sorted(found[0] ^ found[1])]
+"""
+SHOW_TOGETHER = """
+# Which crossings hang together inside a cell, by triangles of the cell that share a vertex.
+found = []
+for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
+    places, cells = (points / spacing).round(4) + 0.0, {}
+    for row in places[rows]:
+        cell = np.clip(np.floor(row.mean(axis=0)), 0, np.array(values.shape) - 2)
+        parts, here = cells.get((*cell.tolist(),), []), {*map(tuple, row.tolist())}
+        apart = [part for part in parts if not part & here]
+        cells[(*cell.tolist(),)] = [*apart, here.union(*(p for p in parts if p & here))]
+    found.append({(cell, tuple(sorted(p for p in part if sum(x == round(x) for x in p) > 1)))
+                  for cell in cells for part in cells[cell]})
+for cell, part in sorted(found[0] ^ found[1]):
+    wrong.append(f"cell {cell}: in one answer only, {part} hang together")
 """
 BACK_SPACING = """
 # Back to the spacing of the field.
@@ -191,7 +210,7 @@ except Exception as error:
 SHAPES = """
 wrong, answer = [], extract({values})
 if isinstance(answer, tuple):
-    vertices, simplices = map(np.asarray, answer)
+    vertices, simplices = map(np.asarray, answer[:2])
     if vertices.ndim != 2 or vertices.shape[1] != {n} or vertices.dtype.kind not in "fiu":
         wrong.append(f"vertices: {{vertices.dtype}} of shape {{vertices.shape}}")
     if simplices.ndim != 2 or simplices.shape[1] != {k} + 1 or simplices.dtype.kind not in "iu":
@@ -228,6 +247,7 @@ IMPORTS = {
     "product(": "from itertools import product",
     "linprog(": "from scipy.optimize import linprog",
     "label(": "from scipy.ndimage import label",
+    "maximum_filter(": "from scipy.ndimage import maximum_filter",
 }
 SPHERE = """
 # A {name} of radius {radius}, in cells, and the lattice that holds it.
@@ -614,7 +634,7 @@ def _shows(report: Report, record: JSON, summary: Summary, house: str) -> list[s
     if posed is not None and summary.id.split(".")[0] not in COMPARED:
         return None
     if posed is not None and len(posed["shape"]) == n and posed["values"]:
-        compared = _compared(posed, n, m)
+        compared = _compared(posed, n, m, record["finding"]["detail"])
         if compared is None:
             return None
         return [
@@ -654,6 +674,11 @@ def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
         text = OPEN if one else CROWDED if more else SHEETS
     elif claim == "topology.sides" and m <= 2 and "periodic" not in ends:
         text = SIDES
+        if m == 1 and _nearly_touched(record):
+            raise NoLinesError(
+                "The surface comes so near to a sample here that sides are compared across it, "
+                "which takes more than a few lines."
+            )
     elif claim == "geometry.embedded":
         text = CROSSING
     elif claim in ("geometry.vertices", "geometry.crossing") and m == 1 and ends == {"open"}:
@@ -664,6 +689,17 @@ def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
     if claim == "topology.scan" and kind == (3, 1):
         text = SCAN if numbers.get("pieces") != numbers.get("pieces_wanted") else None
         text = text if whole else None
+        if numbers.get("isovalue", record["isovalues"][0]) != record["isovalues"][0]:
+            raise NoLinesError(
+                "A saddle or a sample is on the isovalue here, so the level set that is asked for "
+                "is that beside it, which a few lines cannot tell apart."
+            )
+    far = numbers.get("first")
+    if claim == "geometry.embedded" and far is not None and np.abs(far).max() > FAR:
+        raise NoLinesError(
+            "The triangles that cross are so far outside the lattice that a few lines cannot tell; "
+            "the lines of `geometry.vertices` show a vertex that is there."
+        )
     if text is None:
         return None
     tie = ">=" if declaration["conventions"]["tie"] == "inside" else ">"
@@ -678,6 +714,12 @@ def _show_of(declaration: JSON, record: JSON, claim: str) -> str | None:
     )  # fmt: skip
 
 
+def _nearly_touched(record: JSON) -> bool:
+    """Whether samples of one field are so unequal that a crossing may be at a sample but for it."""
+    away = np.abs(np.array(record["values"], float) - record["isovalues"][0])
+    return bool(away[away > 0].min(initial=np.inf) < TOUCHED * away.max(initial=0.0))
+
+
 def _vertices_of(interpolant: object, vertices: object) -> str | None:
     """The lines on where vertices may be, of families for which that is a few lines."""
     if vertices == "cells":
@@ -685,11 +727,15 @@ def _vertices_of(interpolant: object, vertices: object) -> str | None:
     return VERTICES if vertices == "edges" and isinstance(interpolant, str) else None
 
 
-def _compared(posed: JSON, n: int, m: int) -> str | None:
-    """The lines that compare the answer to a variant, brought back, with the plain one."""
+def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
+    """The lines that compare the answer to a variant, brought back, with the plain one.
+
+    told : how they differ
+    """
     name = posed["variant"]
     surfaces = (n, m) == (3, 1)
     segments = SHOW_SEGMENTS.format(least=-1) if surfaces else ""
+    segments = SHOW_TOGETHER if "hang together" in told else segments
     if name.startswith("translate"):
         if not surfaces:
             return None
