@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from isograde.claims import topology
 from isograde.declaration import Conventions, Declaration, End, declaration_from
-from isograde.model import Case, Finding, Kind, Outcome, Status, Trial, Verdict
+from isograde.model import SURFACES, Case, Finding, Kind, Outcome, Status, Trial, Verdict
+from isograde.report.headline import _fault
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
 from isoref.methods import METHODS
@@ -315,6 +316,22 @@ def test_a_lattice_of_its_own_may_be_tied_between_booleans() -> None:
         field = Field.of(values)
         one = trial(field, np.add(sheets, 1), crowded, declaration_from(soup, "x"), (0.5,))
         assert judged("manifold", one).verdict is verdict
+
+
+def test_a_surface_that_ends_too_late_has_no_hole_and_is_not_said_to() -> None:
+    """Isosurface 0.1.0-alpha.0 goes on for a layer of cells: open, but nowhere inside."""
+    field = Field.of(np.tile([-1.0, -1.0, 1.0], (3, 3, 1)).transpose(2, 0, 1))
+    plain = declaration_from({}, "x")
+    ends = [0.0, 3.0]
+    corners = [[1.5, 0, z] for z in ends] + [[1.5, 2, z] for z in ends]
+    finding = judged("closed", trial(field, corners, [[0, 1, 2], [1, 3, 2]], plain))
+    assert finding.verdict is Verdict.FAIL
+    assert "1 edges beyond the end of the domain" in finding.detail
+    told = {"verdict": "fail", "numbers": finding.numbers}
+    assert _fault("topology.closed", SURFACES, told) == "a surface that goes on beyond its domain"
+    corners[1][2] = 1.0
+    finding = judged("closed", trial(field, corners, [[0, 1, 2], [1, 3, 2]], plain))
+    assert "edges inside the domain" in finding.detail
 
 
 def test_a_domain_that_is_one_sample_thick_has_no_surface() -> None:

@@ -65,16 +65,25 @@ def closed(trial: Trial) -> Finding:
     if not len(loose):
         return passed(facets=len(found.facets.rows))
     advice, still = _if_welded(trial)
-    name = facet(trial.kind)
+    beyond = _beyond_one_end(lattice_of(trial), found.points[loose])
+    told = "beyond the end of" if beyond else "inside"
     return failed(
-        f"{len(loose)} {name}s inside the domain belong to one simplex only, the first at index "
-        f"{where(found, loose[0])}{advice}",
+        f"{len(loose)} {facet(trial.kind)}s {told} the domain belong to one simplex only, the "
+        f"first at index {where(found, loose[0])}{advice}",
         boundary_facets=len(loose),
+        **({"beyond": True} if beyond else {}),
         boundary_facets_after_welding=still,
         first=[place(point) for point in found.points[loose[0]]],
         alone=len(np.unique(trial.mesh.simplices)) == trial.mesh.simplices.size,
         **_planes(found.points[loose], lattice_of(trial).tolerance),
     )
+
+
+def _beyond_one_end(lattice: Lattice, places: Floats) -> bool:
+    """Every facet (r, k, n) lies beyond an end of the domain: the surface stops, but too late."""
+    low = (places < lattice.first - lattice.tolerance).all(axis=1)
+    high = (places > lattice.last + lattice.tolerance).all(axis=1)
+    return bool((low | high).any(axis=1).all())
 
 
 def _planes(places: Floats, tolerance: float) -> dict[str, object]:

@@ -324,6 +324,8 @@ def _hole(report: Report, summary: Summary, seen: Seen | None) -> str:
     """Of a hole: the face that two cells draw differently, or the triangle that is missing."""
     if seen is None or seen.first is None or seen.trial.kind != SURFACES:
         return ""
+    if seen.numbers.get("beyond"):
+        return f"the surface goes on beyond its domain, and ends at index {_place(seen.first[0])}"
     edges = _ring(seen)
     ring = np.unique(edges)
     cells = cells_round(seen.mesh.points[ring], seen.lattice.shape) if len(ring) else []

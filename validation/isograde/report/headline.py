@@ -199,6 +199,8 @@ def _fault(claim: str, kind: Kind, finding: dict[str, object]) -> str:
     numbers = finding.get("numbers", {})
     if claim == "topology.manifold" and isinstance(numbers, dict) and "vertices" in numbers:
         return "a vertex where sheets meet"
+    if claim == "topology.closed" and isinstance(numbers, dict) and numbers.get("beyond"):
+        return "a surface that goes on beyond its domain"
     simplices, a_facet = NOUNS.get(kind.k, ("simplices", "a facet"))
     text = FAULTS.get(claim, FAMILY_FAULTS.get(claim.split(".")[0], claim))
     return text.format(simplices=simplices, a_facet=a_facet)
