@@ -327,7 +327,7 @@ def test_a_surface_that_ends_too_late_has_no_hole_and_is_not_said_to() -> None:
     finding = judged("closed", trial(field, corners, [[0, 1, 2], [1, 3, 2]], plain))
     assert finding.verdict is Verdict.FAIL
     assert "1 edges beyond the end of the domain" in finding.detail
-    told = {"verdict": "fail", "numbers": finding.numbers}
+    told: dict[str, object] = {"verdict": "fail", "numbers": finding.numbers}
     assert _fault("topology.closed", SURFACES, told) == "a surface that goes on beyond its domain"
     corners[1][2] = 1.0
     finding = judged("closed", trial(field, corners, [[0, 1, 2], [1, 3, 2]], plain))

@@ -83,7 +83,7 @@ def _beyond_one_end(lattice: Lattice, places: Floats) -> bool:
     """Every facet (r, k, n) lies beyond an end of the domain: the surface stops, but too late."""
     low = (places < lattice.first - lattice.tolerance).all(axis=1)
     high = (places > lattice.last + lattice.tolerance).all(axis=1)
-    return bool((low | high).any(axis=1).all())
+    return bool(np.concatenate([low, high], axis=1).any(axis=1).all())
 
 
 def _planes(places: Floats, tolerance: float) -> dict[str, object]:
