@@ -15,8 +15,7 @@ use            what the licence allows: permissive, copyleft or non-commercial
                which are looked for and not installed) with ``needs`` (programs that must be there)
 [methods.NAME] ``calls`` (the call, for people), ``function`` and ``options`` of the adapter,
                ``declaration`` (`isograde explain declaration`, without the name), ``does`` (what
-               the adapter does for the package, to be told with the results), ``unkept`` (why its
-               report is not kept in the repository, where it was graded)
+               the adapter does for the package, to be told with the results)
 """
 
 from __future__ import annotations
@@ -290,11 +289,8 @@ def page(*, plain: bool = False) -> Path:
         reason = package.built / "failed.txt"
         for method in package.methods:
             if method not in links:
-                failed = (
-                    reason.exists() and reason.read_text(encoding="utf-8").strip().splitlines()[0]
-                )
-                unkept = package.said["methods"][method].get("unkept", "not graded yet")
-                absent[method] = failed or unkept
+                said = reason.read_text(encoding="utf-8").strip() if reason.exists() else ""
+                absent[method] = said.splitlines()[0] if said else "not graded yet"
     known = about()
     best = twelve_lines(found, known)
     reports.write_whole(REPORTS / "league.md", best)
