@@ -35,6 +35,8 @@ exclude_patterns = ["_build", "examples", "explorer", "ci", "course/solutions", 
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 highlight_language = "text"
 nitpicky = True
+# Quotes and dots, but no dashes: "--" stands for itself in commands.
+smartquotes_action = "qe"
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_inline"]
 myst_heading_anchors = 4
@@ -68,8 +70,8 @@ html_theme_options = {
     "article_footer_items": [],
     "footer_start": ["copyright"],
     "footer_end": [],
-    "pygments_light_style": "tango",
-    "pygments_dark_style": "monokai",
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
 }
 html_sidebars = {
     "index": [],

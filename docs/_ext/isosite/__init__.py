@@ -15,6 +15,7 @@ module          what
 `differences`   pages on which two algorithms are compared by counting
 `notebooks`     lessons and programs as notebooks
 `commands`      commands of the site, run while it is built
+`tables`        cells with much text, for narrow pages
 `links`         whether every link inside the built site leads somewhere
 `writing`       files made by a build, and removed when nothing makes them any more
 ==============  ====================================================================================
@@ -36,6 +37,7 @@ from isosite import (
     pictures,
     reference,
     repository,
+    tables,
 )
 from isosite.writing import Pages
 
@@ -69,6 +71,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     commands.setup(app)
     notebooks.setup(app)
     app.connect("builder-inited", make_pages, priority=100)
+    app.connect("doctree-read", tables.mark)
     app.connect("html-page-context", beside)
     app.connect("build-finished", finish)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
