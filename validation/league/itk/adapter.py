@@ -11,8 +11,11 @@ FILTER = itk.BinaryMask3DMeshSource[itk.Image[itk.UC, 3], itk.Mesh[itk.D, 3]]
 
 def surface(values, isovalue, spacing):
     """The surface round the label 1; ITK's first axis is fastest."""
-    mask = np.ascontiguousarray(np.asarray(values >= isovalue, np.uint8).transpose(2, 1, 0))
-    image = itk.image_from_array(mask)
+    # What makes an image of an array takes one of a single row for one in Fortran's order.
+    image = itk.Image[itk.UC, 3].New()
+    image.SetRegions(list(values.shape))
+    image.Allocate()
+    itk.array_view_from_image(image)[:] = (values >= isovalue).transpose(2, 1, 0)
     image.SetSpacing(spacing)
     source = FILTER.New()
     source.SetObjectValue(1)

@@ -16,8 +16,11 @@ import numpy as np
 
 def surface(values, isovalue, spacing, project):
     """The triangles; ITK's first axis is fastest."""
-    samples = np.ascontiguousarray(np.asarray(values, np.float32).transpose(2, 1, 0))
-    image = itk.image_from_array(samples)
+    # What makes an image of an array takes one of a single row for one in Fortran's order.
+    image = itk.Image[itk.F, 3].New()
+    image.SetRegions(list(values.shape))
+    image.Allocate()
+    itk.array_view_from_image(image)[:] = values.transpose(2, 1, 0)
     image.SetSpacing(spacing)
     source = FILTER.New()
     source.SetInput(image)
