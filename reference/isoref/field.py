@@ -56,7 +56,7 @@ class Field:
     values : (N1, .., Nn) array, or (m, N1, .., Nn) for m components
         of real numbers of any integer or floating type, never copied without need.
     spacing, origin : n floats
-        Position of index i is ``origin + i * spacing`` in a straight field.
+        each; the position of index i is ``origin + i * spacing`` in a straight field.
     directions : n rows of n floats, one an axis, or None for a straight field
     """
 

@@ -118,6 +118,7 @@ def test_words_beside_words_are_definitions_and_drawings_stay() -> None:
     for drawing in (
         "o-----o     a square\n    |     |     of four",
         "edge    a point     by a line",
+        "3 inside    2 inside",
     ):
         assert ":class: drawing" in rst_of(f"Title.\n\nThis:\n\n    {drawing}", Scope())
 

@@ -240,8 +240,13 @@ def drawn(paragraph: str, scope: Scope) -> str:
         return f".. math::\n   :nowrap:\n\n   {tex}\n\n"
     rows = definitions(re.sub(r"::\s*$", ":", block))
     two = all(ROW.fullmatch(line) for line in block.splitlines() if line[:1].strip())
-    # Words beside words; more columns, or lines and corners, are a drawing.
-    if rows and two and all(re.match(r"[\w`\"]", a) and not DRAWN.search(b) for a, b in rows):
+    # Words beside words; more columns, lines and corners, or a line alone are a drawing.
+    if (
+        rows
+        and two
+        and "\n" in block
+        and all(re.match(r"[\w`\"]", a) and not DRAWN.search(b) for a, b in rows)
+    ):
         return definition_list(rows, scope)
     return ".. code-block:: text\n   :class: drawing\n\n" + indent(block, "   ") + "\n\n"
 
