@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from isosite import articles
 from isosite.formulas import as_tex, displayed, symbol, with_formulas
 from isosite.mathml import mathml
 from isosite.modules import banners, modules
 from isosite.prose import Scope, line_of, rst_of
+from pictures import REGISTERED
 
 
 @pytest.mark.parametrize(
@@ -151,6 +154,27 @@ def test_the_reference_has_its_formulas_where_its_papers_have_them() -> None:
     )
     tunnel = modules("isoref")["isoref.trilinear_cubes"].doc
     assert ".. math::" in rst_of(tunnel, Scope())
+
+
+def test_a_picture_beside_nothing_is_told() -> None:
+    """Its name is a module's, a function's or a class's."""
+    articles.check_pictures({"hero": "", "isoref.sweep": "", "isoref.sweep.sweep": ""})
+    with pytest.raises(ValueError, match=r"isoref\.methods\.METHODS"):
+        articles.check_pictures({"isoref.methods.METHODS": ""})
+
+
+def test_every_article_of_the_reference_that_is_no_twin_has_a_picture() -> None:
+    """Issue 17: pictures beside the paragraph that they explain."""
+    importlib.import_module("isosite.pictures").register()
+    shown = {place for place, _ in REGISTERED.values()}
+    lacking = [
+        name
+        for name in modules("isoref")
+        if ".fast" not in name
+        and name != "isoref"
+        and not any(place == name or place.startswith(f"{name}.") for place in shown)
+    ]
+    assert lacking == []
 
 
 def test_here_is_the_site() -> None:

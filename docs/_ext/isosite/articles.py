@@ -12,6 +12,8 @@ from isosite.prose import Scope, escaped, heading, line_of, papers_of, reference
 from isosite.writing import Pages
 
 SHOWN = 4
+# Where the picture of the first page stands.
+LANDING = "hero"
 # Packages, whose docstring is the introduction of their index.
 LEFT_OUT = ("isoref", "isoref.fast", "isograde")
 
@@ -318,8 +320,21 @@ def test_pages() -> dict[str, str]:
     return pages
 
 
+def check_pictures(pictures: dict[str, str]) -> None:
+    """Raise ValueError for a picture beside nothing, which no page would show."""
+    places = {
+        place
+        for module in everywhere().values()
+        for place in (module.name, *(f"{module.name}.{name}" for name in module.definitions()))
+    }
+    lost = pictures.keys() - places - {LANDING}
+    if lost:
+        raise ValueError(f"pictures beside what is no module, function or class: {sorted(lost)}")
+
+
 def write(pages: Pages, pictures: dict[str, str]) -> None:
     """Write every article, the twins, the tests and the indices."""
+    check_pictures(pictures)
     for package in PACKAGES:
         for name, module in modules(package).items():
             if name not in LEFT_OUT:

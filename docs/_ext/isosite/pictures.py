@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import io
 from pathlib import Path
 
@@ -27,23 +28,19 @@ def fingerprint() -> str:
     return digest.hexdigest()
 
 
+def register() -> None:
+    """Import the programs that draw: importing registers what they draw."""
+    for path in sorted((ROOT / "docs" / "_ext" / "pictures").glob("[!_]*.py")):
+        importlib.import_module(f"pictures.{path.stem}")
+
+
 def draw_all(pages: Pages) -> dict[str, str]:
     """Every picture as reStructuredText, by the dotted name of what it stands beside.
 
     They are drawn again only when a program that draws or the reference has changed.
     """
-    from pictures import (  # noqa: F401 - importing registers
-        REGISTERED,
-        families,
-        fields,
-        foundations,
-        freezing,
-        hero,
-        meeting,
-        parts,
-        sections,
-        surfaces,
-    )
+    register()
+    from pictures import REGISTERED
 
     mark = fingerprint()
     known = Path(pages.folder, f"{FOLDER}/fingerprint")

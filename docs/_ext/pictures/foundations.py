@@ -153,7 +153,7 @@ def _loose(triangles: Floats) -> Mesh:
     return Mesh.of(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
 
 
-@beside("isoref.methods", "METHODS")
+@beside("isoref.methods")
 def catalogue() -> Picture:
     """The same samples by every method."""
     from scipy.ndimage import gaussian_filter
