@@ -260,13 +260,29 @@ class Child:
         return f"{how}; last words: {said}" if said else how
 
 
-def without_folders(text: str) -> str:
-    """The text of a traceback with files named, but not the folders of the machine it came from.
+# An absolute path, of two folders at least, with whatever stands before it.
+PATH = re.compile(r"(?<![\w.:/\\-])(?:file://|[A-Za-z]:)?[/\\](?:[\w.+@~-]+[/\\])+[\w.+@-]+")
+# Where the part of a path begins that says something of the program, and not of the machine.
+KEPT_FROM = re.compile(r".*[/\\](?:registry[/\\]src[/\\][^/\\]+|site-packages|node_modules)[/\\]")
 
-    >>> without_folders('File "/home/me/mine.py", line 3')
+
+def without_folders(text: str) -> str:
+    """What a program said, files named, but not the folders of the machine it ran on.
+
+    >>> without_folders('File "/home/me/my files/mine.py", line 3')
     'File "mine.py", line 3'
+    >>> without_folders("panicked at /home/me/registry/src/a/nets-1/lib.rs:7, see /tmp/a/b.txt")
+    'panicked at nets-1/lib.rs:7, see b.txt'
     """
-    return re.sub(r'File "[^"\n]*[/\\]([^"/\\\n]+)"', r'File "\1"', text)
+    text = re.sub(r'File "([^"\n]+)"', lambda found: f'File "{_short(found)}"', text)
+    return PATH.sub(_short, text)
+
+
+def _short(found: re.Match[str]) -> str:
+    """The path from its package on, or else the name of the file."""
+    path = found[found.lastindex or 0]
+    rest, packages = KEPT_FROM.subn("", path)
+    return rest if packages else re.split(r"[/\\]", path)[-1]
 
 
 def _widen(*pipes: int) -> None:
