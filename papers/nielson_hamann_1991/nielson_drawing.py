@@ -25,8 +25,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-OBLIQUE = np.array([0.42, 0.30])  # how far on paper the back is from the front
-VIEWER = np.array([0.42, 0.30, 1.0]) / np.linalg.norm([0.42, 0.30, 1.0])
+OBLIQUE = np.array([0.34, 0.22])  # how far on paper the back is from the front
+VIEWER = np.array([*OBLIQUE, 1.0]) / np.linalg.norm([*OBLIQUE, 1.0])
 LIGHT = np.array([-0.35, 0.75, 0.6]) / np.linalg.norm([-0.35, 0.75, 0.6])
 OUTSIDE, INSIDE = "#5b8fc7", "#e9a15b"  # the side a sheet shows: towards low values, towards high
 LINE, EDGE, MARK, HOLE = "#1d2b3a", "#9aa5b1", "#1d2b3a", "#d0342c"
@@ -35,8 +35,9 @@ PIECES = 8  # each triangle is cut into PIECES**2, for the order of painting
 
 @dataclass
 class Picture:
-    """Patches of one drawing."""
+    """Patches of one drawing, and spots that are seen through whatever hides them."""
 
+    marks: list[Floats] = field(default_factory=list)
     shapes: list[Floats] = field(default_factory=list)
     depths: list[float] = field(default_factory=list)
     colours: list[tuple[float, float, float]] = field(default_factory=list)
@@ -60,10 +61,13 @@ class Picture:
             shape = np.array([x + normal, y + normal, y - normal, x - normal])
             self.add(shape, float((p + q) @ VIEWER / 2) + lift, colour)
 
+    def mark(self, place: Floats, radius: float) -> None:
+        """A round spot that is seen through sheets."""
+        self.marks.append(on_paper(place) + radius * circle())
+
     def dot(self, place: Floats, radius: float, fill: str, rim: str = LINE) -> None:
         """A round spot."""
-        turn = np.linspace(0, 2 * np.pi, 25)[:-1]
-        ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        ring = circle()
         depth = float(place @ VIEWER) + 0.09
         self.add(on_paper(place) + radius * ring, depth, rim)
         self.add(on_paper(place) + 0.72 * radius * ring, depth + 1e-6, fill)
@@ -94,10 +98,21 @@ class Picture:
                 linewidths=0.6,
             )
         )
+        axes.add_collection(
+            PolyCollection(
+                self.marks, facecolors=MARK, edgecolors="white", linewidths=0.4, alpha=0.6
+            )
+        )
         axes.set_aspect("equal")
         axes.autoscale_view()
         axes.margins(0.08)
         axes.axis("off")
+
+
+def circle() -> Floats:
+    """(24, 2) points of the unit circle."""
+    turn = np.linspace(0, 2 * np.pi, 25)[:-1]
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
 
 
 def on_paper(place: Floats) -> Floats:
@@ -117,13 +132,15 @@ def pieces(corners: Floats) -> Iterable[Floats]:
 
 
 def draw_cube(picture: Picture, signs: int, shift: Sequence[float] = (0, 0, 0)) -> None:
-    """Edges and corners; marked corners are dark."""
+    """Edges and corners; marked corners are dark, and seen through sheets."""
     at = np.array(shift, float)
     for a, b in EDGES:
         ends = np.array(CORNERS[a]) + at, np.array(CORNERS[b]) + at
         picture.line(*ends, 0.013, EDGE, lift=0.0)
     for c, corner in enumerate(CORNERS):
         picture.dot(np.array(corner) + at, 0.045, MARK if inside(signs, c) else "white")
+        if inside(signs, c):
+            picture.mark(np.array(corner) + at, 0.036)
 
 
 def node_places(tile: Tile, g: Floats) -> Floats:

@@ -58,14 +58,14 @@ def sheet(
     for place, (title, draw) in zip(np.atleast_1d(axes).ravel(), panels, strict=False):
         draw(place)
         place.set_title(title, fontsize=10, pad=2)
-    figure.tight_layout(pad=0.4)
+    figure.tight_layout(pad=0.4, h_pad=1.2)
     return figure
 
 
 def save(figure: Figure, path: Path) -> Path:
     """The figure as a file, small enough to keep; closed."""
     if path.suffix == ".svg":
-        figure.savefig(path, metadata={"Date": None})
+        figure.savefig(path, metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05)
     else:
         with BytesIO() as buffer:
             figure.savefig(buffer, format="png", dpi=DPI)
@@ -340,16 +340,17 @@ def label_crossings(axes: Axes, corners: Sequence[float]) -> None:
     """The names Figure 7 gives to the points where the contour crosses the edges of the face."""
     a, b, c, d = corners
     labels = [
-        ("(S0, 0)", a / (a - b), 0.0, (0, -11), "center"),
-        ("(S1, 1)", d / (d - c), 1.0, (0, 5), "center"),
-        ("(0, T0)", 0.0, a / (a - d), (-5, 0), "right"),
-        ("(1, T1)", 1.0, b / (b - c), (5, 0), "left"),
+        ("(S0, 0)", a / (a - b), 0.0, (-5, -13), "right"),
+        ("(S1, 1)", d / (d - c), 1.0, (6, 5), "left"),
+        ("(0, T0)", 0.0, a / (a - d), (-6, -14), "right"),
+        ("(1, T1)", 1.0, b / (b - c), (6, 6), "left"),
     ]
     for text, s, t, offset, side in labels:
         axes.plot([s], [t], "o", color=OUTSIDE, ms=3.5)
         axes.annotate(
-            text, (s, t), offset, textcoords="offset points", ha=side, va="bottom", fontsize=7
-        )
+            text, (s, t), offset, textcoords="offset points", ha=side, va="bottom", fontsize=7,
+            bbox={"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85},
+        )  # fmt: skip
 
 
 def figure_6_8() -> Figure:
@@ -362,7 +363,7 @@ def figure_6_8() -> Figure:
         face((1.0, 0.6, -0.5, -0.9), "one branch, other corners"),
         face((1.0, 0.2, -0.8, 0.0), "B00 + B11 = B01 + B10:\na line, no saddle"),
     ]
-    return sheet(panels, 3, 2.7, 1.1)
+    return sheet(panels, 3, 2.7, 1.25)
 
 
 def figure_5() -> Figure:
@@ -376,11 +377,17 @@ def figure_5() -> Figure:
     axes.contour(s, t, B, levels=[0], colors=[LINE], linewidths=2.5, zorder=5)
     S, T, value = (float(x) for x in decider.saddle(*corners))
     axes.scatter([S], [T], [value], color=HOLE, s=40, depthshade=False, zorder=6)
-    axes.text(S, T, value + 0.16, "B(S, T)", fontsize=10, zorder=7)
+    axes.text(S + 0.07, T + 0.07, value, "B(S, T)", fontsize=10, zorder=7, va="center")
     for name, x, y, v in zip(
         ("B00", "B10", "B11", "B01"), (0, 1, 1, 0), (0, 0, 1, 1), corners, strict=True
     ):
-        axes.text(x, y, float(v) + 0.12, name, fontsize=9)
+        height = float(v) + (0.0 if name == "B10" else 0.12)
+        if name == "B01":
+            # The surface hides this corner: hold its name above it.
+            height = float(v) + 1.7
+            axes.plot([x, x], [y, y], [float(v), height], ":", color=EDGE_COLOUR, lw=1, zorder=0)
+        side = "right" if name == "B10" else "center"
+        axes.text(x, y, height, name, fontsize=9, ha=side)
     axes.set_xlabel("s", fontsize=9)
     axes.set_ylabel("t", fontsize=9)
     axes.tick_params(labelsize=7)
@@ -402,10 +409,15 @@ def figure_1() -> Figure:
                 there = on_paper(np.array(index, float) + np.eye(3)[axis])
                 axes.plot(*np.transpose([here, there]), color=EDGE_COLOUR, lw=0.7, zorder=1)
         axes.plot(*here, "o", color=OUTSIDE, ms=4, zorder=2)
-    for corner in CORNERS:
-        axes.plot(*on_paper(np.array(corner, float)), "o", color=INSIDE, ms=5, zorder=3)
+    axes.plot([], [], "o", color=OUTSIDE, ms=4, label="samples")
+    for k, corner in enumerate(CORNERS):
+        label = None if k else "those of one cell"
+        axes.plot(
+            *on_paper(np.array(corner, float)), "o", color=INSIDE, ms=5, zorder=3, label=label
+        )
+    axes.legend(fontsize=8, frameon=False, loc="upper center", ncol=2, bbox_to_anchor=(0.5, 1.12))
     at = on_paper(np.array((shape[0] - 1.0, shape[1] - 1.0, shape[2] - 1.0)))
-    axes.annotate("F$_{ijk}$", at, (6, 4), textcoords="offset points", fontsize=10)
+    axes.annotate("F$_{ijk}$", at, (5, -13), textcoords="offset points", fontsize=10)
     figure.tight_layout(pad=0.2)
     return figure
 
@@ -434,7 +446,8 @@ def figure_17(field: Field, isovalue: float) -> Figure:
     shades = plt.get_cmap("bone")(0.25 + 0.7 * np.clip(lit, 0, 1))
     axes.add_collection(PolyCollection(flat, facecolors=shades, edgecolors="face", linewidths=0.2))
     axes.autoscale()
-    axes.set_title(f"{len(mesh.simplices):,} triangles", fontsize=9)
+    told = f"a CT head at {isovalue:g}, {len(mesh.simplices):,} triangles"
+    axes.set_title(told, fontsize=9)
     figure.tight_layout(pad=0.2)
     return figure
 
@@ -457,6 +470,39 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "figure-16-configuration-13.png": figure_16,
     "figure-18-example-3.png": figure_18,
 }
+
+
+#: What each picture shows, by the beginning of its name.
+CAPTIONS = {
+    "figure-01": "Fig. 1: cuberille grid data, with the eight samples of one cell.",
+    "figure-02": "Fig. 2: the fifteen configurations with the sheets of 1987. Marked corners are "
+    "dark, and seen through the sheets; of a sheet the side towards low values is blue, that "
+    "towards high values brown.",
+    "figure-03": "Figs. 3 and 4: the hole that the drawings of 1987 leave between two cells, and "
+    "the repairs: the same decision on both sides.",
+    "figure-04": "Fig. 4: configuration 6, its ambiguous face joined (6A) and separated (6B).",
+    "figure-05": "Fig. 5: the bilinear interpolant over a face, its level at alpha and its saddle; "
+    "B01 lies behind the surface.",
+    "figure-06": "Figs. 6 and 8: hyperbolas and the face. Shaded is what lies above alpha; the red "
+    "cross is where the asymptotes meet.",
+    "figure-07": "Figs. 7a and 7b: the notation of the test.",
+    "figure-09": "Fig. 9: the paper's names of corners and edges.",
+    "figure-10": "Fig. 10: configuration 3.",
+    "figure-11": "Fig. 11: configuration 12.",
+    "figure-12": "Fig. 12: the polygon that no triangles on its own corners fill.",
+    "figure-13": "Fig. 13: configuration 10; the point inside 10B and 10D is e0.",
+    "figure-14": "Fig. 14: the eight systems of boundary polygons of configuration 7.",
+    "figure-15": "Fig. 15: configuration 7; the point inside 7C is e0.",
+    "figure-16": "Fig. 16: configuration 13, with the three variants that no values have, and the "
+    "one that the paper has no letter for.",
+    "figure-17": "Fig. 17: the isovalue surface of a head, of another scan than the paper's.",
+    "figure-18": "Fig. 18: a hole in Example 3 with the drawings of 1987, and none by the decider.",
+}
+
+
+def caption(path: Path) -> str:
+    """What the picture shows."""
+    return CAPTIONS[path.stem[: len("figure-00")]]
 
 
 def draw_all(folder: Path, skull: tuple[Field, float] | None = None) -> list[Path]:

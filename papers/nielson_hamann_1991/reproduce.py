@@ -24,7 +24,7 @@ from isoref.asymptotic_decider import VARIANTS, saddle
 from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats
 from isoref.mesh import Mesh
-from nielson_figures import SKULL, draw_all
+from nielson_figures import SKULL, caption, draw_all
 from nielson_lists import Checked, barred_edges, check_all, polygons_of, shown
 from nielson_table1 import PRINTED, ROWS, faces, printed_column, table, variants
 
@@ -318,7 +318,7 @@ def reachable() -> str:
 def figures_text(made: list[Path]) -> str:
     """The pictures, and which is not there."""
     absent = "" if any(path.name == SKULL for path in made) else f"\n{SKULL}: no CT head here.\n"
-    shown = (f"![{path.stem}]({NAME}/{path.name})\n" for path in sorted(made))
+    shown = (f"{caption(path)}\n\n![{path.stem}]({NAME}/{path.name})\n" for path in sorted(made))
     return "## Figures\n\n" + "\n".join(shown) + absent
 
 

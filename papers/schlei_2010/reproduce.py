@@ -21,6 +21,7 @@ import numpy as np
 import vesta_bourke as bourke
 import vesta_census as census
 import vesta_counts as counts
+import vesta_faces as faces
 import vesta_figures as figures
 import vesta_twelve as twelve
 from isograde.cases.volumes import REGISTRY, find, read
@@ -624,23 +625,37 @@ def fireball_report(folder: Path) -> list[Table | str]:
     note = "tolerance: one rounding of the sum of sizes"
     table.add(what, None, rest, expected=0.0, tolerance=scale, note=note)
     draw_frames(folder / "frames.png", field, stacks[0])
-    right, eye = np.array([0, -0.5, 1.0]), np.array([0.45, 1, 0.5])
-    halved = Mesh(triangles.vertices * [0.5, 1, 1], triangles.simplices)
-    shown = figures.render(halved, right, np.cross(eye, right), 360)
-    figures.draw_rendering(folder / "freeze_out.png", figures.stretched(shown))
+    draw_hypersurface(folder / "freeze_out.png", whole, triangles)
     return [
         table,
         """The field is `papers/schlei_2010/fireball.py`, a formula of our own with the topology
 change of the paper's Fig. 30. Stacking contours frame by frame leaves open which contour continues
 which where one becomes two; along r and z, and in three dimensions, nothing has to be matched.
 
+Fig. 30: temperature and contours, frames 0 to 32, z to the right, r upwards:
+
 ![temperature and freeze-out contours, frames 0 to 32](schlei_2010/frames.png)
 
-The surface after unphysical triangles are discarded (Fig. 33c), z to the right, time upwards:
+Fig. 33: the closed surface from its axis (a), without its unphysical triangles, so that its inside
+is seen, darker (b), the same from outside (c); a 5-cycle in five triangles with the normal of each
+(d):
 
 ![the freeze-out hypersurface](schlei_2010/freeze_out.png)
 """,
     ]
+
+
+def draw_hypersurface(path: Path, whole: Mesh, triangles: Mesh) -> None:
+    """Fig. 33: the surface before and after unphysical triangles are left out, and turned."""
+    views = []
+    for mesh, right, eye, told in (
+        (whole, (0, -0.35, -1.0), (-0.3, -1, 0.35), "closed"),
+        (triangles, (0, -0.35, -1.0), (-0.3, -1, 0.35), "physical"),
+        (triangles, (0, -0.5, 1.0), (0.45, 1, 0.5), "turned"),
+    ):
+        halved = Mesh(mesh.vertices * [0.5, 1, 1], mesh.simplices)
+        views.append((halved, np.array(right), np.cross(eye, right), told))
+    figures.draw_views(path, views, "trz", faces.draw_five_cycle)
 
 
 def table_4() -> list[Table | str]:

@@ -105,10 +105,11 @@ def draw_cycles(ax, signs: int, separated: int, resolution: str | None) -> None:
     finish(ax)
 
 
-def draw_chain(ax, signs: int, cycle: tuple[int, ...]) -> None:
+def draw_chain(ax, signs: int, cycle: tuple[int, ...], vectors: bool = False) -> None:
     """A cycle with its boundary face chain: unit squares that all have the cell's middle in common.
 
-    Grey discs are the centres of active voxels, thin lines the vectors from face to face.
+    Grey discs are the centres of active voxels, thin lines the vectors from face to face. With
+    `vectors` these are all there is on the faces, and no voxel is told to be active.
     """
     paths = cell_paths(signs)
     for e in cycle:
@@ -116,12 +117,10 @@ def draw_chain(ax, signs: int, cycle: tuple[int, ...]) -> None:
             ax.fill(*flat(quarter).T, fc=TONES[axis_of(e)], alpha=0.6, lw=0, **at(quarter))
             ax.plot(*flat(quarter[1:]).T, "-", color="0.5", lw=0.6, **at(quarter[1:], 0.01))
         way = np.array([JUNCTURES[paths[e][0]], CENTRES[e], JUNCTURES[paths[e][2]]]) / 2
-        ax.plot(*flat(way).T, "-", color="0.3", lw=0.6, **at(way, 0.01))
-    for site in (np.array(CORNERS[c]) for c in range(8) if inside(signs, c)):
-        ax.plot(*flat(site), "o", color="0.6", ms=5, mec="0.4", mew=0.5, **at(site[None]))
-    for pair in pairwise([*cycle, cycle[0]]):
-        line = CENTRES[list(pair)] / 2
-        ax.plot(*flat(line).T, "-", color=COLOURS[0], lw=2, **at(line, 0.01))
+        width = 1.8 if vectors else 0.6
+        ax.plot(*flat(way).T, "-", color="0.3", lw=width, **at(way, 0.01))
+    if not vectors:
+        _draw_cycle(ax, signs, cycle)
     for centre in CENTRES[list(cycle)] / 2:
         ax.plot(*flat(centre), "o", color="k", ms=2.6, **at(centre[None], 0.02))
     finish(ax)
@@ -129,6 +128,15 @@ def draw_chain(ax, signs: int, cycle: tuple[int, ...]) -> None:
         end(flat(2 * np.array(CORNERS) - 0.5), axis=0) for end in (np.min, np.max)
     )
     ax.set(xlim=(left, right), ylim=(bottom, top))
+
+
+def _draw_cycle(ax, signs: int, cycle: tuple[int, ...]) -> None:
+    """The centres of active voxels, and the lines of the cycle."""
+    for site in (np.array(CORNERS[c]) for c in range(8) if inside(signs, c)):
+        ax.plot(*flat(site), "o", color="0.6", ms=5, mec="0.4", mew=0.5, **at(site[None]))
+    for pair in pairwise([*cycle, cycle[0]]):
+        line = CENTRES[list(pair)] / 2
+        ax.plot(*flat(line).T, "-", color=COLOURS[0], lw=2, **at(line, 0.01))
 
 
 def at(points: Floats, before: float = 0.0) -> dict[str, float | bool]:
@@ -281,11 +289,12 @@ def inner_boundary(mesh: Mesh, cells) -> list[tuple[int, int]]:
     return open_edges
 
 
-def render(mesh: Mesh, right: Floats, up: Floats, width: int = 520) -> Floats:
+def render(mesh: Mesh, right: Floats, up: Floats, width: int = 520, both: bool = False) -> Floats:
     """(h, w) grey levels 0 .. 1 of the mesh seen along up x right, NaN where nothing is.
 
     Each triangle is sampled closely enough that no pixel between its samples is left out; the
-    nearest sample of a pixel is shown, lit from the upper left.
+    nearest sample of a pixel is shown, lit from the upper left. A side that faces inwards is not
+    shown; with `both` it is, darker.
     """
     corners = mesh.vertices[mesh.simplices]
     frame = np.stack([right, up, np.cross(right, up)]).astype(float)
@@ -295,10 +304,15 @@ def render(mesh: Mesh, right: Floats, up: Floats, width: int = 520) -> Floats:
     scale = (width - 1) / (high[0] - low[0])
     seen[..., :2] = (seen[..., :2] - low) * scale
     normals = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])
-    # Leave out what turns its back.
-    seen, normals = seen[normals[:, 2] > 0], normals[normals[:, 2] > 0]
+    # Leave out what turns its back, or turn it round.
+    front = normals[:, 2] > 0
+    if both:
+        normals = np.where(front[:, None], normals, -normals)
+    else:
+        seen, normals, front = seen[front], normals[front], front[front]
     light = np.array([-0.6, 0.45, 0.66])
     lit = np.clip(normals @ light / np.maximum(np.linalg.norm(normals, axis=1), 1e-300), 0, 1)
+    lit = np.where(front, lit, 0.75 * lit)
     height = int((high[1] - low[1]) * scale) + 1
     image, nearest = np.full((2, height * width), -np.inf)
     spread = np.ptp(seen[..., :2], axis=1).max(axis=1)
@@ -331,6 +345,35 @@ def stretched(image: Floats) -> Floats:
     """The grey levels from 0 to 1, but for a hundredth at either end: for gently bent surfaces."""
     low, high = np.nanpercentile(image, (1, 99))
     return np.clip((image - low) / (high - low), 0, 1)
+
+
+def draw_views(path: Path, views: Sequence, names: Sequence[str], last) -> Path:
+    """Lettered renderings of meshes with their axes beside them, and a panel that `last` draws.
+
+    A view is a mesh, the picture's right, its up, and what is said over it.
+    """
+    figure, axes = panels(len(views) + 1, len(views) + 1, 2.6)
+    for letter, ax, (mesh, right, up, told) in zip("abcdefgh", axes, views, strict=False):
+        image = stretched(render(mesh, right, up, 340, both=True))
+        shown = matplotlib.colormaps["bone"](0.12 + 0.85 * image)
+        shown[np.isnan(image)] = 1
+        height, width = image.shape
+        ax.imshow(shown, interpolation="nearest", extent=(0, width, 0, height))
+        frame = np.stack([np.asarray(one, float) / np.linalg.norm(one) for one in (right, up)])
+        corner = np.array([0.02 * width, -0.3 * width])
+        for axis, name in enumerate(names):
+            tip = corner + 0.26 * width * frame[:, axis]
+            style = {"arrowstyle": "-|>", "color": "k", "lw": 0.8, "mutation_scale": 6}
+            ax.annotate("", tip, corner, arrowprops=style, annotation_clip=False)
+            ax.text(*(corner + 0.33 * width * frame[:, axis]), name, ha="center", va="center")
+            ax.plot(*tip, alpha=0)
+        ax.set(xlim=(-0.15 * width, 1.05 * width), ylim=(-0.5 * width, 1.05 * height))
+        ax.set_title(f"({letter}) {told}", pad=2)
+        ax.set_aspect("equal")
+        ax.axis("off")
+    last(axes[-1])
+    axes[-1].set_title(f"({'abcdefgh'[len(views)]}) a 5-cycle and its normals", pad=2)
+    return save(figure, path)
 
 
 def draw_rendering(path: Path, image: Floats) -> Path:

@@ -1,7 +1,8 @@
-"""The figures of the text with the paper's letters: 1, 4, 6, 10, 15 to 18 and 33d.
+"""The figures of the text with the paper's letters: 1 to 6, 10 and 15 to 18.
 
 They are drawn from what the modules compute: paths, cycles, contours and meshes. The binary image
-of Fig. 1a and the values behind Figs. 18 and 33d are ours, as the paper does not print its own.
+of Fig. 1a and the values behind Fig. 18 are ours, as the paper does not print its own. Fig. 33 is
+that of a fireball, on the page of the tables.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from isoref.diconex import diconex
 from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats
 from isoref.marching_vesta import CENTRES, JUNCTURES, cell_paths, cycles, paper_number, rule
+from vesta_faces import connection_diagrams, figure_2, figure_3, figure_5
 from vesta_figures import (
     COLOURS,
     TONES,
@@ -67,7 +69,8 @@ def dot(ax, place: Floats, colour: str = "k", size: float = 2.6) -> None:
 def label(ax, place: Floats, text: object, below: bool = False) -> None:
     """A small text at a point in space, above it or below."""
     x, y = flat(place) + ((-0.09, -0.09) if below else (0.03, 0.03))
-    ax.text(x, y, str(text), fontsize=6, zorder=20)
+    around = {"boxstyle": "round,pad=0.05", "fc": "w", "ec": "none", "alpha": 0.85}
+    ax.text(x, y, str(text), fontsize=6, zorder=20, bbox=around)
 
 
 def square(ax, corners: Floats, axis: int) -> None:
@@ -253,15 +256,15 @@ def figure_6(path: Path) -> Path:
                 cube(ax, voxel)
             dot(ax, JUNCTURES[face] / 2, "w", 4)
         if n == 1:
-            _quadrants(ax, signs)
+            connection_diagrams(ax)
         if n in (2, 3):
-            draw_box(ax)
+            _quadrants(ax, signs)
             for cycle in cycles(signs, separated):
                 wire(ax, CENTRES[list(cycle)] / 2)
         if n in (4, 5):
             wires(ax, surface(pair, mode))
 
-    return lettered(6, 6, path, draw)
+    return lettered(6, 3, path, draw, 2.0)
 
 
 def figure_10(path: Path) -> Path:
@@ -332,7 +335,8 @@ def figure_15(path: Path) -> Path:
             for axis, name in enumerate("xyz"):
                 arrow(ax, np.zeros(3), 1.35 * np.eye(3)[axis], "k")
                 label(ax, 1.35 * np.eye(3)[axis], name)
-            label(ax, np.zeros(3), "(i, j, k)")
+            x, y = flat(np.zeros(3))
+            ax.text(x + 0.02, y - 0.14, "(i, j, k)", fontsize=6, zorder=20)
         if n == 1:
             for number, site in enumerate(SITES):
                 dot(ax, np.array(site, float), "0.6", 5)
@@ -427,31 +431,13 @@ def figure_18(path: Path) -> Path:
     return lettered(6, 6, path, draw, 1.6)
 
 
-def figure_33d(path: Path) -> Path:
-    """A 5-cycle cut with its average point, and the normals of its five triangles."""
-    signs = next(s for s in range(256) if [len(c) for c in cycles(s, 0)] == [5])
-    (cycle,) = cycles(signs, 0)
-    places = CENTRES[list(cycle)] / 2
-    middle = places.mean(axis=0)
-    triangles = np.array(
-        [[p, q, middle] for p, q in zip(places, np.roll(places, -1, axis=0), strict=True)]
-    )
-    figure, (ax,) = panels(1, 1, 2.4)
-    draw_box(ax)
-    draw_triangles(ax, triangles, COLOURS[:5])
-    for a, b, c in triangles:
-        normal = np.cross(b - a, c - a)
-        start = (a + b + c) / 3
-        arrow(ax, start, start + normal, "k")
-    ax.set_title("(d)", pad=2)
-    finish(ax)
-    return save(figure, path)
-
-
 def draw_all(folder: Path) -> list[Path]:
     """Every figure of this module, in the order of the paper."""
-    drawn = (figure_1, figure_4, figure_6, figure_10, figure_15, figure_16, figure_17, figure_18)
-    paths = [one(folder / f"{one.__name__}.svg") for one in (*drawn, figure_33d)]
+    drawn = (
+        figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_10, figure_15, figure_16,
+        figure_17, figure_18,
+    )  # fmt: skip
+    paths = [one(folder / f"{one.__name__}.svg") for one in drawn]
     plt.close("all")
     return paths
 
@@ -460,11 +446,24 @@ CAPTIONS = {
     "figure_1": """Fig. 1: an image of ours with eleven active pixels (a); the vectors of a pixel
 (b); vectors, junctures (black) and points of ambiguity (white) (c); left turns keep pixels apart
 (white), right turns join them (black) (d); the contours in disconnect (e) and connect (f).""",
+    "figure_2": """Fig. 2: an active voxel (disc), an inactive one, their face and its range vector
+(a); a face with its junctures 1 to 4, its vectors and the range vector r (b); the contour of level
+100 between 133 and 0, moved from the middle, where the level is 66.5 (c); the face's centre moved
+as far (d).""",
+    "figure_3": """Fig. 3: two faces in a plane (a to e), round one active voxel (f to i) and
+between three (j to m, of which the two beside the faces are shown), with their range vectors:
+vectors through the juncture (a, f, j), the cycle vectors that replace them (b, g, k), and both as
+lines. What (c, d, e, h, i, l, m) show is read off the caption: (c, h, l) are vectors, (d, i, m)
+cycle vectors, and (e) is drawn with moved centres.""",
     "figure_4": """Fig. 4: a voxel (a), its faces, here drawn apart (b), six of its vectors (c), the
 3-cycle they give (d), all cycles (e), the octahedron with normals (f).""",
-    "figure_6": """Fig. 6: voxels that share an edge (a), the vectors of one cell (b), its cycles in
-disconnect (c) and connect (d), and the wire frames (e, f). The paper's (b) has four connection
-diagrams; that of a cell is Fig. 1d.""",
+    "figure_5": """Fig. 5: the nine chains of boundary faces with their voxel face vectors, in the
+order of Figs. 7 and 8; points of ambiguity are white. Which of two 4-cycles, and of two 6-cycles,
+the paper has first is ours to guess.""",
+    "figure_6": """Fig. 6: voxels that share an edge and its point of ambiguity (a); for each of the
+four ways in (grey), seen along the edge, the way out on the same voxel (white, disconnect) and on
+the other (black, connect) (b); the cycles in disconnect (c) and connect (d), and the wire frames
+(e, f).""",
     "figure_10": """Fig. 10: voxels that share a point (a) and the tube (b); two pairs that share an
 edge (c), the left one in disconnect, the right one in connect (d).""",
     "figure_15": """Fig. 15: the cell (a), sites (b), centres (c), junctures (d), and the vectors of
@@ -474,8 +473,6 @@ sites 0, 2, 5, 7 (e) and 1, 3, 4, 6 (f).""",
 and vectors (b), a 4-cycle and a 3-cycle in disconnect (c), a 7-cycle in connect (d).""",
     "figure_18": """Fig. 18: two active sites: range vectors and 4-cycle (a), moved (b), an average
 point (c), four triangles (d), and the two ways without it (e, f).""",
-    "figure_33d": """Fig. 33d: a 5-cycle in five triangles with its average point, and their
-normals.""",
 }
 
 

@@ -277,3 +277,26 @@ def test_the_lettered_figures_show_what_they_say(module: Callable[[str], Any]) -
     paths = lettered.cell_paths(lettered.signs_of(7))
     assert {lettered.paper_number(lettered.CENTRES[e]) for e in paths} == {6, 9, 11}
     assert [len(c) for c in lettered.cycles(lettered.signs_of(0, 1), 0)] == [4]
+
+
+def test_the_figures_of_faces_are_those_of_the_algorithm(module: Callable[[str], Any]) -> None:
+    """Figs. 2b, 5 and 6b: paths 4 to 3, 3 to 2, 2 to 1, 1 to 4; nine chains in order."""
+    faces = module("vesta_faces")
+    for r, first in ((faces.X, faces.Z), (-faces.Y, faces.Z), (-faces.Z, faces.X)):
+        places = faces.numbered_junctures(r, first)
+        paths = faces.face_paths(r, first)
+        assert paths == [(4, 3), (3, 2), (2, 1), (1, 4)]
+        drawn = {(tuple(places[a - 1]), tuple(places[b - 1])) for a, b in paths}
+        assert drawn == faces.paths_of_a_cell_face(r)
+    shown = faces.chains()
+    assert [len(cycle) for _, cycle in shown] == [3, 4, 4, 5, 7, 6, 6, 6, 6]
+    ambiguous = [bool(faces.ambiguous_faces(signs)) for signs, _ in shown]
+    assert [letter for letter, told in zip("abcdefghi", ambiguous, strict=True) if told] == [
+        "e",
+        "g",
+    ]
+    # A way out on the same voxel bounds, with the way in, a quarter that is active.
+    for come, same, other in faces.TURNS:
+        assert (np.add(come, same) > 0).all() or (np.add(come, same) < 0).all()
+        assert np.add(come, other).sum() == 0
+    assert len(faces.five_cycle()[1]) == 5
