@@ -1,8 +1,9 @@
 """How near to the level set the trilinear cell is drawn, and at how many triangles.
 
 Run it from anywhere: ``python papers/trilinear/drawing.py``. It writes
-reports/papers/trilinear/drawing.md: trilinear cubes with and without points on the level set beside
-the asymptotic decider, on seeded fields that anybody can make again. The distance has two sides:
+reports/papers/trilinear/drawing.md: trilinear cubes with the diagonals that are nearest to the
+level set, and with points on it, beside the plain tiles and the asymptotic decider, on seeded
+fields that anybody can make again. The distance has two sides:
 from points of the mesh to the level set, along Newton's steps (an upper bound), and from points of
 the level set to the mesh, by libigl. Triangles are counted, and their shapes.
 """
@@ -11,28 +12,32 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from isograde.oracles.halfedges import Surface
+from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.shapes import shapes
 from isograde.oracles.trilinear_distance import STEPS, distance, value_and_gradient
-from isoref import asymptotic_decider, trilinear_cubes
+from isoref import asymptotic_decider, diagonals, trilinear_cubes
 from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats
 from isoref.mesh import Mesh
-from isoref.rule import Rule
 from scipy import ndimage
 
 HERE = Path(__file__).parent
 SIDE, SEEDS = 16, range(3)
-RULES: tuple[Rule, ...] = (
-    asymptotic_decider.RULE,
-    trilinear_cubes.RULE,
-    trilinear_cubes.drawn(5),
-    trilinear_cubes.drawn(3),
+PLAIN, NEAR, FIVE, THREE = (
+    f"trilinear-cubes{ending}" for ending in ("", ", nearest diagonals", "-5", "-3")
 )
+METHODS: dict[str, Callable[[Field, float], Mesh]] = {
+    "asymptotic-decider": partial(sweep, asymptotic_decider.RULE),
+    PLAIN: partial(sweep, trilinear_cubes.RULE),
+    NEAR: partial(diagonals.extract, trilinear_cubes.RULE, criterion="near"),
+    FIVE: partial(sweep, trilinear_cubes.drawn(5)),
+    THREE: partial(sweep, trilinear_cubes.drawn(3)),
+}
 PROBES = np.array([[2, 2, 2], [3, 3, 0], [0, 3, 3], [3, 0, 3]]) / 6
 
 
@@ -90,41 +95,48 @@ def report() -> str:
         "",
         "Made by `papers/trilinear/drawing.py`: mean distances in spacings, mesh to level set and "
         f"level set to mesh, over {len(SEEDS)} seeded fields of {SIDE}^3 samples each "
-        "(`smooth_noise`, `white_noise` there). `trilinear-cubes-5` has a point on the level set "
-        "in each polygon of more than five sides, `-3` in each of more than three (Lopes and "
-        "Brodlie's way). Grosso's TMC is in no registry and not measured here.",
+        "(`smooth_noise`, `white_noise` there). *Nearest diagonals* are those of "
+        "`isoref.diagonals` with its criterion `near`. `trilinear-cubes-5` has a point on the "
+        "level set in each polygon of more than five sides, `-3` in each of more than three "
+        "(Lopes and Brodlie's way). Grosso's TMC is in no registry and not measured here.",
         "",
         "| field | rule | to the level set | to the mesh | triangles | more | median least angle "
         "| below 5 degrees | crossings |",
         "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
-    nearer: list[bool] = []
+    pairs = ((NEAR, PLAIN), (FIVE, PLAIN), (THREE, FIVE))
+    below = dict.fromkeys(pairs, 0)
+    fewer, crossings = 0, 0.0
     for name, make in FIELDS.items():
-        rows = {rule.name: measured(rule, make) for rule in RULES}
-        plain = rows[trilinear_cubes.RULE.name]
-        for rule, row in rows.items():
+        rows = {method: measured(extract, make) for method, extract in METHODS.items()}
+        plain = rows[PLAIN]
+        for method, row in rows.items():
             more = row[2] / plain[2] - 1
             lines.append(
-                f"| {name} | {rule} | {row[0]:.4f} | {row[1]:.4f} | {row[2]:,.0f} | {more:+.0%} "
+                f"| {name} | {method} | {row[0]:.4f} | {row[1]:.4f} | {row[2]:,.0f} | {more:+.0%} "
                 f"| {row[3]:.1f}° | {row[4]:.1%} | {row[5]:.0f} |"
             )
-        five, three = (rows[rule.name] for rule in RULES[2:])
-        nearer += [five[i] < plain[i] and three[i] < five[i] for i in (0, 1)]
+        fewer += rows[NEAR][2] <= plain[2]
+        crossings += sum(row[5] for row in rows.values())
+        for pair in pairs:
+            below[pair] += sum(rows[pair[0]][i] < rows[pair[1]][i] for i in (0, 1))
+    told = "; ".join(f"{one} below {other} in {n}" for (one, other), n in below.items())
     lines += [
         "",
-        f"More points are nearer in {sum(nearer)} of {len(nearer)} comparisons (`-5` below the "
-        "plain tiles and `-3` below `-5`).",
+        f"Of {2 * len(FIELDS)} distances, two a field: {told}. The nearest diagonals take no more "
+        f"triangles than the plain tiles in {fewer} of {len(FIELDS)} fields. "
+        f"{crossings:.0f} pairs of triangles cross in all meshes together.",
     ]
     return "\n".join(lines) + "\n"
 
 
-def measured(rule: Rule, make: Callable[[int], Floats]) -> Floats:
+def measured(extract: Callable[[Field, float], Mesh], make: Callable[[int], Floats]) -> Floats:
     """(6,) both distances, triangles, median least angle, share of thin ones, crossings."""
     rows = []
     for seed in SEEDS:
         values = make(seed)
-        mesh = sweep(rule, Field.of(values), 0.0)
-        of_triangles = shapes(Surface.of(mesh.vertices, mesh.simplices))
+        mesh = extract(Field.of(values), 0.0)
+        of_triangles = shapes(Complex.of(mesh.vertices, mesh.simplices))
         crossings = len(self_intersections(mesh.vertices, mesh.simplices))
         rows.append(
             [

@@ -3,7 +3,7 @@ r"""Which diagonal: the triangles of a cell, turned by a criterion on the values
 Marching cubes cuts a polygon of four or more points into triangles by a table, which does not look
 at where the points lie. Nielson and Hamann remark that the diagonal of a quadrilateral could be
 "switched", that whether this is desirable "depends on the values F_ijk and exactly where the
-vertices lie on the edges", and name Choi's criterion. Here are two, each applied edge by edge::
+vertices lie on the edges", and name Choi's criterion. Here are three, each applied edge by edge::
 
         a                 a         the edge a b has the triangles a b c and b a d; the other
        /|\               / \        diagonal of the quadrilateral is c d, with the triangles
@@ -14,6 +14,10 @@ vertices lie on the edges", and name Choi's criterion. Here are two, each applie
 `smooth`    the two triangles whose normals make the smaller angle (Choi and others, as Dyn, Levin
             and Rippa describe it)
 `angle`     the two triangles whose smallest angle is the larger (Delaunay's, in the plane)
+`near`      the diagonal whose middle is nearer to the level set of the trilinear interpolant, by
+            one step of Newton's method: as many triangles as before, nearer to what they stand for.
+            Cells with a point of the rule's own inside stay as they are: there turned triangles
+            could cross others
 
 Only edges inside a cell are turned: what is drawn on the faces between cells stays as the rule has
 decided it, and so does the topology.
@@ -41,6 +45,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -50,7 +55,7 @@ from isoref.field import Field, Floats
 from isoref.mesh import Mesh, in_space
 from isoref.rule import Rule
 
-Criterion = Literal["smooth", "angle"]
+Criterion = Literal["smooth", "angle", "near"]
 Triangle = tuple[int, int, int]
 Worth = Callable[[Floats], float]
 
@@ -63,7 +68,7 @@ def extract(rule: Rule, field: Field, isovalue: float, criterion: Criterion = "s
     ----------
     rule : a cube rule
     field, isovalue : as of `isoref.sweep.sweep`
-    criterion : ``smooth`` or ``angle``
+    criterion : ``smooth``, ``angle`` or ``near``
 
     Raises
     ------
@@ -85,13 +90,15 @@ def extract(rule: Rule, field: Field, isovalue: float, criterion: Criterion = "s
         return mesh
     triangles = mesh.simplices.copy()
     place = field.index(mesh.vertices)
+    worth = partial(nearness, field, isovalue) if criterion == "near" else WORTH[criterion]
     starts = np.flatnonzero(np.r_[True, cells[1:] != cells[:-1]])
     lattice = tuple(n - 1 for n in field.shape)
     for start, stop in zip(starts, [*starts[1:], len(cells)], strict=True):
         if stop - start > 1:
             low = np.array(np.unravel_index(cells[start], lattice))
             own = _Cell(mesh.vertices, place - low, triangles[start:stop])
-            triangles[start:stop] = own.turned(WORTH[criterion])
+            if criterion != "near" or not own.has_points_inside():
+                triangles[start:stop] = own.turned(worth)
     return Mesh(mesh.vertices, triangles)
 
 
@@ -122,6 +129,34 @@ def smallest_angle(corners: Floats) -> float:
     return least
 
 
+def nearness(field: Field, isovalue: float, corners: Floats) -> float:
+    """Minus how far the middle of the side that two triangles (2, 3, 3) share is off the level set.
+
+    The side runs from the first corner of the first triangle to its second. The distance is that
+    of one Newton step in the cell the middle lies in.
+
+    >>> field = Field.of(np.indices((2, 2, 2)).sum(axis=0) - 1.0)
+    >>> side = np.array([[0.5, 0, 0], [0.5, 0, 0], [1, 1, 1]])
+    >>> round(nearness(field, 0.0, np.array([side, side])) * 3**0.5, 9)
+    -0.5
+    """
+    middle = field.index(corners[0, :2].mean(axis=0))
+    low = np.clip(np.floor(middle).astype(int), 0, np.array(field.shape) - 2)
+    values = field.values[tuple(slice(i, i + 2) for i in low)].astype(np.float64) - isovalue
+    t = middle - low
+    weights = np.stack([1 - t, t])
+
+    # Interpolate along all axes, or all but one and take the difference along that.
+    value = float(np.einsum("ijk,i,j,k", values, *weights.T))
+    slope = [
+        np.einsum("ijk,i,j,k", values, *(np.array([-1.0, 1]) if a == axis else weights[:, a]
+                                         for a in range(3)))
+        for axis in range(3)
+    ]  # fmt: skip
+    steepness = float(np.linalg.norm(np.array(slope) / field.spacing))
+    return -abs(value) / steepness if steepness else -np.inf
+
+
 WORTH: dict[str, Worth] = {"smooth": smoothness, "angle": smallest_angle}
 
 
@@ -136,6 +171,11 @@ class _Cell:
     def __init__(self, points: Floats, place: Floats, triangles: np.ndarray) -> None:
         self.points, self.place = points, place
         self.triangles: list[Triangle] = [tuple(row) for row in triangles.tolist()]
+
+    def has_points_inside(self) -> bool:
+        """Whether a corner of a triangle lies on no face of the cell."""
+        own = self.place[sorted({corner for t in self.triangles for corner in t})]
+        return bool((np.abs(own[:, :, None] - [0.0, 1.0]) >= 1e-9).all(axis=(1, 2)).any())
 
     def turned(self, worth: Worth) -> list[Triangle]:
         """The triangles after every inner edge was looked at once, in ascending order."""

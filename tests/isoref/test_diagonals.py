@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
+from isograde.oracles.trilinear_distance import distance
 from isoref import asymptotic_decider, trilinear_cubes
 from isoref.diagonals import Criterion, extract, smallest_angle, smoothness
 from isoref.fast.sweep import sweep
 from isoref.field import Field
 from isoref.rule import Rule
 
-CRITERIA: list[Criterion] = ["smooth", "angle"]
+CRITERIA: list[Criterion] = ["smooth", "angle", "near"]
 RULES = [asymptotic_decider.RULE, trilinear_cubes.RULE]
 
 
@@ -43,6 +44,14 @@ def test_no_two_triangles_cross(criterion: Criterion) -> None:
     """In exact arithmetic, on noise."""
     mesh = extract(asymptotic_decider.RULE, noise(1), 0.0, criterion)
     assert len(mesh.simplices) > 500
+    assert len(self_intersections(mesh.vertices, mesh.simplices)) == 0
+
+
+def test_the_nearest_diagonals_cross_nothing_in_cells_with_tunnels() -> None:
+    """On white noise, of which some cells have points inside: those are left alone."""
+    field = Field.of(np.random.default_rng(0).normal(size=(12, 12, 12)))
+    mesh = extract(trilinear_cubes.RULE, field, 0.0, "near")
+    assert (mesh.simplices != sweep(trilinear_cubes.RULE, field, 0.0).simplices).any()
     assert len(self_intersections(mesh.vertices, mesh.simplices)) == 0
 
 
@@ -104,3 +113,16 @@ def test_a_criterion_that_is_none_is_refused() -> None:
 def test_nothing_to_turn_is_an_empty_mesh() -> None:
     """An isovalue out of range."""
     assert len(extract(asymptotic_decider.RULE, noise(0), 1e9).simplices) == 0
+
+
+def test_the_nearest_diagonals_draw_nearer_at_as_many_triangles() -> None:
+    """The mean distance of middles of triangles from the level set falls by a tenth at least."""
+    field = Field.of(noise(3).values)
+    for rule in (asymptotic_decider.RULE, trilinear_cubes.RULE):
+        plain, near = sweep(rule, field, 0.0), extract(rule, field, 0.0, "near")
+        assert len(near.simplices) == len(plain.simplices)
+        off = [
+            np.nanmean(distance(field.values, 0.0, mesh.vertices[mesh.simplices].mean(axis=1)))
+            for mesh in (plain, near)
+        ]
+        assert off[1] < 0.9 * off[0]

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.papers.loading import importer
+
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "papers" / "README.md").read_text(encoding="utf-8")
 SECTIONS = {
@@ -59,3 +61,14 @@ def test_every_folder_has_a_program_a_reading_and_a_report() -> None:
     for name in folders:
         assert (ROOT / "papers" / name / "README.md").is_file()
         assert (ROOT / "reports" / "papers" / f"{name}.md").is_file()
+
+
+@pytest.mark.parametrize(
+    "program",
+    sorted((ROOT / "papers").glob("*/*.py")),
+    ids=lambda path: f"{path.parent.name}/{path.stem}",
+)
+def test_every_program_of_the_papers_can_be_started(program: Path) -> None:
+    """Each imports what it needs: a name that moved would be found by nobody else."""
+    module = importer(program.parent.name)(program.stem)
+    assert module.__doc__
