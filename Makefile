@@ -81,7 +81,7 @@ oldest: $(STAMP)
 	$(BIN)/python -m tests.isograde.repeated --oldest
 
 papers: $(STAMP)
-	@for program in papers/*/reproduce.py; do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+	@for program in $$(grep -l __main__ papers/*/*.py); do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
 reports: $(STAMP)
 	$(BIN)/isograde grade --all --packed --out reports/implementations || [ $$? -eq 1 ]
