@@ -331,7 +331,10 @@ def test_a_surface_that_ends_too_late_has_no_hole_and_is_not_said_to() -> None:
     assert _fault("topology.closed", SURFACES, told) == "a surface that goes on beyond its domain"
     corners[1][2] = 1.0
     finding = judged("closed", trial(field, corners, [[0, 1, 2], [1, 3, 2]], plain))
-    assert "edges inside the domain" in finding.detail
+    assert "edges inside the domain belong to one simplex only" in finding.detail
+    fan = [[1.5, 1, 0.5], [1.5, 1, 1.5], [0, 1, 1], [2, 1, 1], [1.5, 0, 1]]
+    three = trial(field, fan, [[0, 1, 2], [1, 0, 3], [0, 1, 4]], plain)
+    assert "belong to an odd number of simplices" in judged("closed", three).detail
 
 
 def test_a_domain_that_is_one_sample_thick_has_no_surface() -> None:

@@ -1,6 +1,7 @@
 """The league: whole recipes, known declarations; three packages are built and called."""
 
 import shutil
+from copy import deepcopy
 from pathlib import Path
 from types import ModuleType
 
@@ -10,6 +11,7 @@ from isograde.checking import check
 from isograde.declaration import declaration_from
 from isograde.model import Limits
 from isograde.report.packed import unpacked
+from isograde.report.reading import read
 
 from tests.loading import module_at
 
@@ -86,9 +88,35 @@ def test_what_cannot_be_built_costs_its_own_row(
     """A program that is not there is named; the reason is kept where the page finds it."""
     monkeypatch.setattr(league, "BUILT", tmp_path)
     monkeypatch.setattr(league.shutil, "which", lambda name: None)
-    given = league.argparse.Namespace(names=[], again=False, build=True, only=[])
+    given = league.argparse.Namespace(names=[], again=False, build=True, redeclare=False, only=[])
     assert not league._row(PACKAGES["octave"], given)
     assert "no octave-cli" in (tmp_path / "octave" / "failed.txt").read_text()
+
+
+@pytest.mark.slow
+def test_a_promise_withdrawn_changes_what_is_held_and_nothing_that_was_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Taken back and withdrawn again, the report is what it was; more than that is graded again."""
+    monkeypatch.setattr(league, "REPORTS", tmp_path)
+    kept = HERE.parents[1] / "reports" / "league" / "gts.jsonl.gz"
+    shutil.copy(kept, tmp_path)
+    before = read(kept)
+    package = PACKAGES["gts"]
+    says = package.said["methods"]["gts"]["declaration"]
+    said = deepcopy(package.said)
+    del said["methods"]["gts"]["declaration"]["not_promised"]
+    assert says["not_promised"] == ["robustness.deterministic"]
+    league.redeclare(league.Package(package.folder, said), "gts")
+    held = read(tmp_path / "gts.jsonl.gz")
+    assert {one.id for one in held.broken} - {one.id for one in before.broken} == {
+        "robustness.deterministic"
+    }
+    league.redeclare(package, "gts")
+    assert list(read(tmp_path / "gts.jsonl.gz").records) == list(before.records)
+    said["methods"]["gts"]["declaration"]["conventions"] = {}
+    with pytest.raises(league.LeagueError, match="conventions changed: grade it again"):
+        league.redeclare(league.Package(package.folder, said), "gts")
 
 
 @pytest.mark.slow

@@ -35,14 +35,17 @@ from typing import Any
 from isograde import report as reports
 from isograde.adapters import ready_made_names
 from isograde.cases import PLAN
+from isograde.claims import CLAIMS
+from isograde.declaration import declaration_from, declaration_json
 from isograde.grading import grade as graded
 from isograde.model import AdapterError, Limits
 from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
 from isograde.report.headline import headline
-from isograde.report.lines import lines
+from isograde.report.lines import lines, write_lines
 from isograde.report.packed import packed
-from isograde.report.reading import Report, read
+from isograde.report.reading import Report, gather, read
+from isograde.report.record import claim_record, tally_of
 from isograde.report.speed import Measured, measured
 from isograde.runner import NothingToRun, Options, processors
 
@@ -242,6 +245,34 @@ def grade(package: Package, method: str, only: Sequence[str] = ()) -> None:
     print(headline(found), flush=True)
 
 
+def redeclare(package: Package, method: str) -> None:
+    """The kept report holds against the method what its recipe promises now.
+
+    What is not promised is judged all the same, so the verdicts stay as they are. Raises
+    `LeagueError` where there is no report, or more of what is declared than ``not_promised``
+    changed.
+    """
+    path = REPORTS / f"{method}.jsonl.gz"
+    if not path.exists():
+        raise LeagueError(f"{method}: not graded yet, so nothing is held against it")
+    found = read(path)
+    declared = declaration_from(package.declaration(method), method)
+    said = declaration_json(declared)
+    before = found.header["declaration"]
+    if other := [word for word in said if word != "not_promised" and said[word] != before[word]]:
+        raise LeagueError(f"{method}: {', '.join(other)} changed: grade it again")
+    assert found.footer is not None
+    head = {**found.header, "declaration": said}
+    claims = [claim_record(CLAIMS[name], declared) for name in found.claims]
+    kept = [one for one in found.records if one["record"] not in ("header", "claim", "footer")]
+    records = [head, *claims, *kept]
+    seconds = found.footer["seconds"]
+    footer = tally_of(found).footer(seconds, gather(records))
+    write_lines([*records, footer], path)
+    reports.write(read(path), REPORTS, method, ["html"], pack=True)
+    print(footer["headline"], flush=True)
+
+
 # -- the page --------------------------------------------------------------------------------------
 
 
@@ -342,6 +373,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--build", action="store_true", help="build only")
     parser.add_argument("--again", action="store_true", help="build and grade anew")
     parser.add_argument("--page", action="store_true", help="write the page of what is there")
+    parser.add_argument(
+        "--redeclare",
+        action="store_true",
+        help="hold against a graded method what its recipe promises now: not_promised alone",
+    )
     parser.add_argument("--plain", action="store_true", help="do not pack that page")
     parser.add_argument("--list", action="store_true", help="name the methods, and do nothing")
     parser.add_argument("--only", nargs="*", default=[], help="globs of claims or cases")
@@ -367,13 +403,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _row(package: Package, given: argparse.Namespace) -> bool:
     """Whether a package was built and the methods asked for were graded; says what it does."""
     try:
-        if given.again or not (package.built / "ready").exists():
+        ready = given.redeclare or (package.built / "ready").exists()
+        if given.again or not ready:
             print(f"{package.name}: building", flush=True)
             build(package)
         if given.build:
             return True
         for _, method in rows([package], given.names):
-            if given.again or not (REPORTS / f"{method}.jsonl.gz").exists():
+            if given.redeclare:
+                redeclare(package, method)
+            elif given.again or not (REPORTS / f"{method}.jsonl.gz").exists():
                 print(f"{method}: grading", flush=True)
                 grade(package, method, given.only)
     except LeagueError as error:

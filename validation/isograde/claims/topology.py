@@ -67,9 +67,12 @@ def closed(trial: Trial) -> Finding:
     advice, still = _if_welded(trial)
     beyond = _beyond_one_end(lattice_of(trial), found.points[loose])
     told = "beyond the end of" if beyond else "inside"
+    alone = set(map(tuple, found.facets.rows[found.facets.uses == 1].tolist()))
+    single = all(tuple(row) in alone for row in loose.tolist())
+    many = "one simplex only" if single else "an odd number of simplices"
     return failed(
-        f"{len(loose)} {facet(trial.kind)}s {told} the domain belong to one simplex only, the "
-        f"first at index {where(found, loose[0])}{advice}",
+        f"{len(loose)} {facet(trial.kind)}s {told} the domain belong to {many}, the first at index "
+        f"{where(found, loose[0])}{advice}",
         boundary_facets=len(loose),
         **({"beyond": True} if beyond else {}),
         boundary_facets_after_welding=still,
