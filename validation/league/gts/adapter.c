@@ -14,10 +14,24 @@ static void plane(gdouble **a, GtsCartesianGrid g, guint k, gpointer data) {
             a[i][j] = isograde_at(s->values, (i * s->shape[1] + j) * s->shape[2] + k);
 }
 
+/* Vertices that are counted as they are made: at one place only that tells them apart. */
+typedef struct { GtsVertex vertex; gint64 made; } counted;
+static gint64 made;
+static void count(counted *it) { it->made = made++; }
+static GtsVertexClass *counted_class(void) {
+    static GtsVertexClass *class;
+    GtsObjectClassInfo info = {"counted", sizeof(counted), sizeof(GtsVertexClass), NULL, (GtsObjectInitFunc)count, NULL, NULL};
+    if (!class) class = gts_object_class_new(GTS_OBJECT_CLASS(gts_vertex_class()), &info);
+    return class;
+}
+
 /* A vertex of the surface has its number where GTS leaves room for one. */
+static int64_t *turns;
 static gint vertex(gpointer item, gpointer mesh) {
     GtsPoint *p = item;
-    GTS_OBJECT(item)->reserved = GSIZE_TO_POINTER(isograde_vertex(mesh, p->x, p->y, p->z));
+    size_t at = isograde_vertex(mesh, p->x, p->y, p->z);
+    turns[at] = ((counted *)item)->made;
+    GTS_OBJECT(item)->reserved = GSIZE_TO_POINTER(at);
     return 0;
 }
 static gint face(gpointer item, gpointer mesh) {
@@ -34,7 +48,8 @@ static double *points;
 static int by_place(const void *a, const void *b) {
     const double *p = points + 3 * *(const int64_t *)a, *q = points + 3 * *(const int64_t *)b;
     int axis = p[0] != q[0] ? 0 : p[1] != q[1] ? 1 : 2;
-    return (p[axis] > q[axis]) - (p[axis] < q[axis]);
+    int64_t first = turns[*(const int64_t *)a], then = turns[*(const int64_t *)b];
+    return p[axis] != q[axis] ? (p[axis] > q[axis]) - (p[axis] < q[axis]) : (first > then) - (first < then);
 }
 static int by_corners(const void *a, const void *b) {
     const int64_t *p = a, *q = b;
@@ -65,12 +80,15 @@ static const char *extract(const isograde_values *values, const size_t shape[3],
                            const double spacing[3], isograde_mesh *mesh) {
     samples given = {values, shape};
     GtsCartesianGrid grid = {shape[0], shape[1], shape[2], 0, spacing[0], 0, spacing[1], 0, spacing[2]};
-    GtsSurface *surface = gts_surface_new(gts_surface_class(), gts_face_class(), gts_edge_class(), gts_vertex_class());
+    GtsSurface *surface = gts_surface_new(gts_surface_class(), gts_face_class(), gts_edge_class(), counted_class());
+    made = 0;
     contour(surface, grid, plane, &given, isovalue);
+    turns = malloc(8 * made + 1);
     gts_surface_foreach_vertex(surface, vertex, mesh);
     gts_surface_foreach_face(surface, face, mesh);
     gts_object_destroy(GTS_OBJECT(surface));
     sorted(mesh);
+    free(turns);
     return NULL;
 }
 
