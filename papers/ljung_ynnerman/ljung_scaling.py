@@ -304,15 +304,15 @@ def figure_6(rows: Sequence[Counted], path: Path) -> None:
         for panel, against in zip(axes, ("s", "n1"), strict=True):
             border = int(of == "xface" and against == "s")
             fitted = shown(exponent(rows, of, against, border=border, bend=against == "s"))
-            allowed = " (bend and border allowed for)" if border else ""
-            allowed = allowed or (" (bend allowed for)" if against == "s" else "")
             for seed in sorted({row.seed for row in rows}):
                 own = [row for row in rows if row.seed == seed]
-                label = f"{of}, slope {fitted}{allowed}" if seed == rows[0].seed else None
+                label = f"{of}, slope {fitted}" if seed == rows[0].seed else None
                 x, y = ([getattr(row, name) for row in own] for name in (against, of))
                 panel.plot(x, y, "o-", color=colour, alpha=0.5, ms=3, lw=0.8, label=label)
     axes[0].set(xlabel="side of the volume (voxels)", ylabel="intersection tests")
-    axes[0].set(xlim=(0, None), ylim=(0, None), title="linear in the side")
+    axes[0].set(
+        xlim=(0, None), ylim=(0, None), title="linear in the side (slopes with bend and border)"
+    )
     reach = np.array([min(row.n1 for row in rows), max(row.n1 for row in rows)])
     start = np.mean([row.trisect for row in rows if row.s == rows[0].s])
     axes[1].plot(reach, start * np.sqrt(reach / reach[0]), "k--", lw=1, label=r"$\sqrt{N}$")
