@@ -49,6 +49,7 @@ function start(): State {
     plane: square([0.8, -0.7, -0.5, 0.6]),
     four: { ...plain, shape: [2, 2, 2, 2], values: Array.from({ length: 16 }, (_, n) => (n % 15 ? -0.5 : 1.5)), w: 0.5 },
     rules: RULES,
+    tiles: "trilinear-cubes",
     view: { ...START },
   };
 }
@@ -62,13 +63,9 @@ function begin(): void {
   const side = element("aside", { class: "side", "aria-label": "controls and facts" });
   main.append(element("div", { class: "work" }, host, sheet), side);
 
-  let stage: Stage;
-  try {
-    stage = new Stage(host);
-  } catch (error) {
-    main.prepend(element("p", { class: "banner", role: "alert" }, `This browser draws no WebGL, which the pictures need (${String(error)}). Turn on hardware acceleration, or try another browser.`));
-    return;
-  }
+  const stage = new Stage(host);
+  const banner = element("p", { class: "banner", role: "alert" });
+  main.prepend(banner);
 
   let tab: Tab | null = null;
   let timer = 0;
@@ -94,6 +91,8 @@ function begin(): void {
       for (const one of bar.querySelectorAll("button")) one.tabIndex = one.dataset.tab === state.tab ? 0 : -1;
       bar.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
       tab = new MAKERS[state.tab](app);
+      // Contours and the gallery are no pictures in space, and need none.
+      banner.textContent = stage.failed && stage.panels.length ? `This browser draws no WebGL, which the pictures of this tab need (${stage.failed}). Turn on hardware acceleration, or try another browser.` : "";
       app.changed();
     },
   };

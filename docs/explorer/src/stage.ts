@@ -3,7 +3,8 @@ The stage: pictures in space side by side, all seen from one direction, on one c
 
 A panel is a place in the page with a scene of its own. One WebGL canvas as large as the window lies
 over the page, and each panel in sight is drawn into its rectangle. The canvas scrolls with the page
-and is put back over the window in each frame. Nothing is drawn unless something changed.
+and is put back over the window in each frame. Nothing is drawn unless something changed. Where there
+is no panel the canvas is not shown, and a browser without WebGL shows all that is no picture in space.
 
 Lattice coordinates are those of the scene: axis 2 is up.
 */
@@ -259,7 +260,9 @@ export class Stage {
   turned: () => void = () => {};
   /** Called after each frame, to move what stands on a panel. */
   placed: () => void = () => {};
-  private readonly renderer: WebGLRenderer;
+  private readonly renderer: WebGLRenderer | null = null;
+  /** Why nothing is drawn, where the browser has no WebGL. */
+  readonly failed: string = "";
   private readonly canvas: HTMLCanvasElement;
   private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
   private readonly lamp = new DirectionalLight(0xffffff, 2.2);
@@ -270,7 +273,11 @@ export class Stage {
   constructor(readonly host: HTMLElement) {
     this.canvas = element("canvas", { class: "canvas", "aria-hidden": "true" });
     document.body.append(this.canvas);
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+    try {
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+    } catch (error) {
+      this.failed = String(error);
+    }
     this.camera.up.set(0, 0, 1);
     new ResizeObserver(() => this.ask()).observe(host);
     for (const name of ["scroll", "resize"]) addEventListener(name, () => this.ask(), { passive: true });
@@ -357,34 +364,42 @@ export class Stage {
     if (this.stale) this.update();
     this.stale = false;
     const updated = performance.now();
-    this.resize();
-    this.renderer.setScissorTest(false);
-    this.renderer.clear();
-    this.renderer.setScissorTest(true);
-    const { height } = this.renderer.getSize(new Vector2());
-    for (const panel of this.panels) {
-      const box = panel.place.getBoundingClientRect();
-      if (box.bottom < 0 || box.top > height || !box.width) continue;
-      this.aim(panel);
-      panel.scene.add(this.lamp, this.lamp.target);
-      this.renderer.setViewport(box.left, height - box.bottom, box.width, box.height);
-      this.renderer.setScissor(box.left, height - box.bottom, box.width, box.height);
-      this.renderer.render(panel.scene, this.camera);
-    }
+    const { renderer } = this;
+    // An undrawn canvas is black in some browsers, and it lies over the page.
+    this.canvas.style.display = renderer && this.panels.length ? "block" : "none";
+    if (renderer && this.panels.length) this.draw(renderer);
     this.placed();
     this.spent.push({ frame: performance.now() - begun, update: updated - begun });
     if (this.spent.length > 240) this.spent.shift();
   }
 
-  private resize(): void {
+  /** Draw every panel in sight. */
+  private draw(renderer: WebGLRenderer): void {
+    this.resize(renderer);
+    renderer.setScissorTest(false);
+    renderer.clear();
+    renderer.setScissorTest(true);
+    const { height } = renderer.getSize(new Vector2());
+    for (const panel of this.panels) {
+      const box = panel.place.getBoundingClientRect();
+      if (box.bottom < 0 || box.top > height || !box.width) continue;
+      this.aim(panel);
+      panel.scene.add(this.lamp, this.lamp.target);
+      renderer.setViewport(box.left, height - box.bottom, box.width, box.height);
+      renderer.setScissor(box.left, height - box.bottom, box.width, box.height);
+      renderer.render(panel.scene, this.camera);
+    }
+  }
+
+  private resize(renderer: WebGLRenderer): void {
     const [width, height] = [document.documentElement.clientWidth, innerHeight];
     this.canvas.style.transform = `translate(${scrollX}px, ${scrollY}px)`;
     const ratio = Math.min(devicePixelRatio, 2, Math.sqrt(MOST_PIXELS / Math.max(1, width * height)));
     const size = `${width} ${height} ${ratio}`;
     if (size === this.size || !width || !height) return;
     this.size = size;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height);
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(width, height);
   }
 
   private listen(place: HTMLElement): void {

@@ -3,7 +3,7 @@ What the explorer shows, and the link that carries it.
 
 A link's part after # holds: tab; n, the shape; v, the samples in C order (the last index fastest),
 or kind and seed of a made field; i, the isovalue; w, where the 4-D cell is cut; r, the rules, by
-their names in isoref; at, the view: turn, tilt, zoom. What is missing keeps what it was. A link that
+their names in isoref; tiles, the rule whose tiles the gallery shows; at, the view: turn, tilt, zoom. What is missing keeps what it was. A link that
 cannot be read says why, and changes nothing.
 */
 
@@ -31,6 +31,8 @@ export interface State {
   plane: Lattice;
   four: Lattice & { w: number };
   rules: string[];
+  /** The rule whose tiles the gallery shows. */
+  tiles: string;
   view: View;
 }
 
@@ -61,6 +63,7 @@ export function written(state: State): string {
   }
   if (state.tab === "four") parts.set("w", String(state.four.w));
   parts.set("r", state.rules.join(","));
+  if (state.tab === "gallery") parts.set("tiles", state.tiles);
   const { turn, tilt, zoom } = state.view;
   if (turn !== START.turn || tilt !== START.tilt || zoom !== START.zoom)
     parts.set("at", [turn, tilt, zoom].map((x) => Number(x.toFixed(2))).join(","));
@@ -104,7 +107,8 @@ export function read(hash: string, state: State, known: readonly string[], made:
   const next: State = { ...state, tab, view: { ...state.view } };
   const [r, at] = [parts.get("r"), parts.get("at")];
   if (r !== null) next.rules = r ? r.split(",") : [];
-  const unknown = next.rules.find((name) => !known.includes(name));
+  next.tiles = parts.get("tiles") ?? state.tiles;
+  const unknown = [...next.rules, next.tiles].find((name) => !known.includes(name));
   if (unknown !== undefined) throw new LinkError(`there is no algorithm ${JSON.stringify(unknown)}; there are ${known.join(", ")}`);
   if (at !== null) {
     const [turn, tilt, zoom] = numbers(at, "at");

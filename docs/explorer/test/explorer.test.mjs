@@ -26,12 +26,13 @@ let page;
 /** @type {string[]} */
 let errors = [];
 
-/** A page of this size and taste. @param {import("playwright-core").BrowserContextOptions} options */
-async function open(options = {}) {
+/** A page of this size and taste, in a browser with these flags more.
+ * @param {import("playwright-core").BrowserContextOptions} options @param {string[]} flags */
+async function open(options = {}, flags = []) {
   profile = mkdtempSync(join(tmpdir(), "explorer-"));
   const executablePath = BROWSERS.find((one) => existsSync(one));
   context = await chromium.launchPersistentContext(profile, {
-    executablePath, headless: true, args: FLAGS, viewport: { width: 1300, height: 900 },
+    executablePath, headless: true, args: [...FLAGS, ...flags], viewport: { width: 1300, height: 900 },
     deviceScaleFactor: 0.5, ...options,
   });
   page = context.pages()[0] ?? (await context.newPage());
@@ -180,6 +181,26 @@ test("the gallery has 256 signs, and each leads to its cell", async () => {
   await frames();
   assert.equal(await held("app.state.tab"), "cell");
   assert.equal(await page.locator(".facts tr").nth(2).locator("td").textContent(), "13.5.2");
+});
+
+test("a link says whose tiles the gallery shows", async () => {
+  await show("#tab=gallery&tiles=marching-vesta-disconnect-L");
+  const chosen = page.locator(".side select");
+  assert.equal(await chosen.inputValue(), "marching-vesta-disconnect-L");
+  await chosen.selectOption("lorensen-cline");
+  await page.locator("#link").click();
+  assert.match(page.url(), /tiles=lorensen-cline/);
+  await follow("#tab=gallery&tiles=magic");
+  assert.match((await page.locator("#said").textContent()) ?? "", /no algorithm "magic"/);
+});
+
+test("the canvas lies over the page only where there are pictures in space", async () => {
+  for (const tab of TABS) {
+    // Opened there: a canvas in which nothing was ever drawn is black in some browsers.
+    await show(`#tab=${tab}`);
+    const seen = await page.locator(".canvas").isVisible();
+    assert.equal(seen, !["gallery", "plane"].includes(tab), tab);
+  }
 });
 
 test("the hole of 1987 is open, and nobody else's", async () => {
@@ -441,3 +462,18 @@ test("on a telephone nothing is wider than the screen, and fingers turn and drag
   assert.ok((await held("app.state.cell.values"))[7] < value);
 });
 
+test("without WebGL the contours and the gallery are shown, and the others say what they need", async () => {
+  await close();
+  await open({}, ["--disable-3d-apis"]);
+  for (const tab of TABS) {
+    await show(`#tab=${tab}`);
+    const flat = ["gallery", "plane"].includes(tab);
+    assert.equal(await page.locator(".banner").isVisible(), !flat, tab);
+    assert.equal(await page.locator(".canvas").isVisible(), false, tab);
+    assert.ok(!flat || (await page.locator(".sheet svg").count()) > 4, tab);
+  }
+  await follow("#tab=cell");
+  assert.match((await page.locator(".banner").textContent()) ?? "", /draws no WebGL/);
+  await follow("#tab=plane");
+  assert.equal(await page.locator(".banner").isVisible(), false);
+});

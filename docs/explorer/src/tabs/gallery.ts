@@ -67,11 +67,13 @@ export class GalleryTab implements Tab {
 
   constructor(private readonly app: App) {
     const { tables, sheet, side } = app;
-    this.rule = tables.rules.get("trilinear-cubes")!;
+    this.rule = tables.rules.get(app.state.tiles)!;
     const options = [...tables.rules.values()].map((rule) => [rule.name, rule.title] as const);
     side.append(
       element("section", {}, choice("Tiles of", options, this.rule.name, (name) => {
         this.rule = tables.rules.get(name)!;
+        app.state.tiles = name;
+        app.changed();
         this.showConfigurations();
         this.variants.replaceChildren();
       })),
