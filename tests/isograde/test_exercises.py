@@ -1,6 +1,8 @@
 """Exercises: what is given is wrong as the lesson says, and the solutions are right."""
 
+import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any
@@ -124,8 +126,14 @@ def test_each_fault_by_itself_is_seen(number: int, tmp_path: Path) -> None:
 # Other answers than the solution's, as a reader may find them: what is replaced, and by what.
 PRODUCTS = "np.where(a >= 0, a * c < b * d, b * d < a * c)"
 QUOTIENT = "(a * c - b * d) / (a + c - b - d) < 0"
+# The interpolant at its saddle: right but for rounding, which depends on the first corner.
+SADDLE = (
+    "(lambda s, t: a * (1 - s) * (1 - t) + b * s * (1 - t) + c * s * t + d * (1 - s) * t < 0)"
+    "((a - d) / (a + c - b - d), (a - b) / (a + c - b - d))"
+)
 RIGHT = {
     "2 by a quotient": ("a * c < b * d if a >= 0 else b * d < a * c", QUOTIENT),
+    "5 by a quotient": (PRODUCTS, QUOTIENT),
     "6 from the other end": ("in range(len(polygon))", "in reversed(range(len(polygon)))"),
     "6 all joined": ("(i + 1) % 4\n            following", "(i - 1) % 4\n            following"),
     "7 everybody asked": ("len(ambiguous_faces(signs)) > 0", "True"),
@@ -137,6 +145,10 @@ RIGHT = {
     "13 a new array": ("values.astype(float) - isovalue", "values - isovalue"),
 }
 WRONG = {
+    "2 the diagonal forgotten": ("a * c < b * d if a >= 0 else b * d < a * c", "a * c < b * d"),
+    "4 turned over": ("letters = TRIANGLES[signs]\n", "letters = TRIANGLES[signs][::-1]\n"),
+    "5 the diagonal forgotten": (PRODUCTS, "a * c < b * d"),
+    "5 the saddle from the first corner": (PRODUCTS, SADDLE),
     "5 never separated": (PRODUCTS, "np.zeros(a.shape, bool)"),
     "7 by the mean": (PRODUCTS, "(a + c) + (b + d) < 0"),
     "8 no tunnels": ("there & (product < 0)", "there & False"),
@@ -186,6 +198,60 @@ def test_a_right_answer_need_not_be_the_solution(name: str, tmp_path: Path) -> N
 def test_an_answer_that_misses_the_point_is_told(name: str, tmp_path: Path) -> None:
     """Short cuts that satisfy all but one of the claims."""
     assert here(*changed(name, WRONG[name], tmp_path))
+
+
+def test_rounding_that_depends_on_the_first_corner_is_a_hole(tmp_path: Path) -> None:
+    """Lesson 5: near S = 0 the rounded results can differ, and there is the hole again."""
+    name = "5 the saddle from the first corner"
+    found = here(*changed(name, WRONG[name], tmp_path))
+    assert [one.claim for one in found] == ["topology.closed"]
+    assert found[0].case.startswith("exercise/saddle-")
+
+
+# What is said of row 210 of exercise 3, by how it was mended.
+SAID = {
+    "ajfcikckl": "one of its polygons is not filled",
+    "aikaklalfcjh": "Two cells do not fit each other",
+    "cikcklclh": "Two cells do not fit each other",
+}
+
+
+@pytest.mark.parametrize("row", SAID)
+def test_cells_that_do_not_fit_are_no_unfilled_polygon(
+    row: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A row that joins on a face has every polygon filled: the other cell decides otherwise."""
+    cases = [case for case in fields.cells() if case.id.startswith("exercise/pattern-210-")]
+    assert len(cases) == 2
+    few = replace(EXERCISES[3], cases=lambda: cases)
+    monkeypatch.setitem(EXERCISES, 3, few)
+    found = here(*changed(f"3 {row}", ('"ajfcikcklclh"', f'"{row}"'), tmp_path))
+    assert SAID[row] in found[0].hint
+    assert found[0].claim == "topology.closed"
+
+
+def test_the_values_of_the_square_at_fault_are_told(tmp_path: Path) -> None:
+    """A reader can work out the saddle with a pencil: four values, as one walks round."""
+    for number in (2, 5):
+        path = tmp_path / EXERCISES[number].file
+        path.write_text(EXERCISES[number].text)
+        told = next(one for one in here(number, path) if one.claim == "topology.bilinear")
+        a, b, c, d = map(float, re.findall(r"(-?\d[\d.e-]*) at \[", told.detail))
+        assert (a >= 0) == (c >= 0) != (b >= 0) == (d >= 0)
+        saddle, mean = (a * c - b * d) / (a + c - b - d), a + b + c + d
+        assert saddle * mean < 0, "what the mean decides wrongly"
+        case = next(one for one in EXERCISES[number].cases() if one.id == told.case)
+        places = re.findall(r"at \[([\d, ]+)\](?=,|$)", told.detail.partition("isovalue: ")[2])
+        values = [case.build().values[tuple(map(int, at.split(",")))] for at in places]
+        assert values == pytest.approx([a, b, c, d], rel=1e-3)
+
+
+def test_the_file_of_another_exercise_is_named(tmp_path: Path) -> None:
+    """Exercise 1's file answers no square, and says whose it is."""
+    path = tmp_path / "mine.py"
+    path.write_text(EXERCISES[1].text)
+    (told,) = here(2, path)
+    assert "of exercise 1" in told.hint
 
 
 def test_no_two_cells_of_exercise_12_pinch_one_face() -> None:

@@ -54,7 +54,8 @@ def _judge(chosen: Exercise, path: Path) -> None:
         say(f"[green]Mended.[/] {chosen.number}. {chosen.title}: nothing is wrong any more.")
         raise typer.Exit(Exit.HOLDS)
     for one in found:
-        share = f"{one.failed} of {one.asked} fields" if one.asked else "every field"
+        where = f"{one.failed} of the {one.asked} fields that can show it"
+        share = where if one.asked else "every field"
         say(f"[red]Still wrong[/] on {share}. {escape(one.hint)}")
         if one.case:
             say(f"  [dim]smallest: {escape(one.case)}: {escape(one.detail)} ({one.claim})[/]")

@@ -13,11 +13,15 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+from isoref.cube import CORNERS, FACE_CORNERS
+from isoref.field import Floats
+
 from isograde.adapters import open_adapter
 from isograde.declaration import Declaration
 from isograde.exercises import fields
-from isograde.model import BAD, Adapter, Case, Limits, Verdict
-from isograde.runner import Task, Worker, claims_for
+from isograde.model import BAD, Adapter, Case, Finding, Limits, Verdict
+from isograde.runner import Evidence, Judged, Task, Worker, claims_for
 
 ANSWERS = "structure.answers"
 SHAPES = "structure.shapes"
@@ -33,6 +37,8 @@ class Exercise:
     cases : what it is judged on
     apart : by claim and by how the names of some cases begin, what is said on those instead:
         one claim, and cases that only one of the faults can fail
+    between : what is said instead of the hint of `topology.closed` where every open edge lies on
+        a face of a cell: each cell is right by itself, or lacks a whole polygon
     """
 
     number: int
@@ -40,6 +46,7 @@ class Exercise:
     hints: Mapping[str, str]
     cases: Callable[[], Sequence[Case]]
     apart: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    between: str = ""
 
     @property
     def file(self) -> str:
@@ -51,8 +58,10 @@ class Exercise:
         """The file that is given."""
         return (files("isograde.exercises") / "given" / self.file).read_text(encoding="utf-8")
 
-    def hint(self, claim: str, case: str, otherwise: str) -> str:
+    def hint(self, claim: str, case: str, otherwise: str, evidence: Evidence | None = None) -> str:
         """What is said where the claim fails on the case; `otherwise` where it has no hint."""
+        if claim == CLOSED and self.between and evidence and lie_on_faces(open_edges(evidence)):
+            return self.between
         for (name, beginning), said in self.apart.items():
             if name == claim and case.startswith(f"exercise/{beginning}"):
                 return said
@@ -89,24 +98,71 @@ def told_through(exercise: Exercise, adapter: Adapter, declared: Declaration) ->
     worker = Worker(adapter, declared, cases, claims_for(declared))
     first = (ANSWERS, SHAPES, *exercise.hints, SIDES)
     wanted = [name for name in dict.fromkeys(first) if name in worker.claims]
-    bad: dict[str, list[tuple[int, str, str]]] = {}
+    bad: dict[str, list[tuple[int, str, Judged]]] = {}
     asked: dict[str, int] = {}
     for case in worker.cases.values():
         claims = tuple(name for name in wanted if worker.claims[name].applies_to(case))
-        for name, found in worker.judge(Task(case.id, claims)).findings.items():
+        one = worker.judge(Task(case.id, claims))
+        for name, found in one.findings.items():
             asked[name] = asked.get(name, 0) + (found.verdict in (Verdict.PASS, *BAD))
             if found.verdict in BAD:
-                bad.setdefault(name, []).append((case.samples, case.id, found.detail))
+                bad.setdefault(name, []).append((case.samples, case.id, one))
     told = []
     for name in (name for name in wanted if name in bad):
-        _, smallest, detail = min(bad[name])
-        hint = exercise.hint(name, smallest, worker.claims[name].rule)
+        _, smallest, one = min(bad[name], key=lambda found: found[:2])
+        hint = exercise.hint(name, smallest, worker.claims[name].rule, one.evidence)
+        detail = one.findings[name].detail + corners_told(one.findings[name], one.evidence)
         told.append(Told(name, hint, smallest, detail, len(bad[name]), asked[name]))
     # What could not fail anywhere is no success.
     idle = [name for name in wanted if not asked.get(name)]
     if not told and idle:
-        told.append(Told(idle[0], "It answers none of the fields, or with nothing.", "", "", 0, 0))
+        hint = "It answers none of the fields, or with nothing."
+        if (other := _another(exercise, declared)) is not None:
+            hint += f" Its declaration says that it is of exercise {other.number}."
+        told.append(Told(idle[0], hint, "", "", 0, 0))
     return told
+
+
+def _another(exercise: Exercise, declared: Declaration) -> Exercise | None:
+    """The other exercise whose name the declaration bears, if it does."""
+    names = {f"exercise {one.number}": one for one in EXERCISES.values() if one is not exercise}
+    return names.get(declared.name)
+
+
+def corners_told(found: Finding, evidence: Evidence | None) -> str:
+    """The values at the four corners of the face at fault, as one walks round it."""
+    if evidence is None or not {"cell", "face"} <= set(found.numbers):
+        return ""
+    values = evidence.field.values - evidence.isovalues[0]
+    walk = FACE_CORNERS[int(found.numbers["face"])]
+    offsets = [CORNERS[c] for c in walk] if values.ndim == 3 else [(0, 0), (1, 0), (1, 1), (0, 1)]
+    places = [tuple(int(x) for x in np.add(found.numbers["cell"], one)) for one in offsets]
+    round_it = ", ".join(f"{values[at]:.4g} at {list(at)}" for at in places)
+    return f"; its corners, minus the isovalue: {round_it}"
+
+
+def open_edges(evidence: Evidence) -> Floats:
+    """(r, 2, 3) The ends, in samples, of the edges of a surface that an odd number share.
+
+    Those on the border of the field are left out.
+    """
+    mesh = evidence.outcomes["plain"]
+    if mesh.vertices is None or mesh.simplices is None or not len(mesh.simplices):
+        return np.empty((0, 2, 3))
+    corners = np.sort(np.asarray(mesh.simplices)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    edges, uses = np.unique(corners, axis=0, return_counts=True)
+    samples = np.asarray(mesh.vertices, np.float64) / evidence.field.spacing
+    places: Floats = samples[edges[uses % 2 == 1]]
+    last = np.subtract(evidence.field.values.shape, 1)
+    border = ((places == 0) | (places == last)).all(axis=1).any(axis=1)
+    return np.asarray(places[~border])
+
+
+def lie_on_faces(edges: Floats) -> bool:
+    """Whether there are edges (r, 2, 3), and each lies in a plane of samples."""
+    whole = np.rint(edges)
+    flat = (np.abs(edges - whole) < 1e-9).all(axis=1) & (whole[:, 0] == whole[:, 1])
+    return len(edges) > 0 and bool(flat.any(axis=1).all())
 
 
 CLOSED = "topology.closed"
@@ -119,6 +175,9 @@ VERTICES = "geometry.vertices"
 MISPLACED = (
     "A vertex on a lattice edge is not where the straight line between its two samples takes the "
     "value (lesson 1)."
+)
+WRONG_SIDE = (
+    "The surface does not part an inside corner from an outside one, or faces the wrong way there."
 )
 SAME_WAY = "Two triangles that share an edge run through it the same way"
 EXERCISES = {
@@ -145,7 +204,8 @@ EXERCISES = {
                 SIDES: "A contour has a sample on its wrong side.",
                 BILINEAR: "An ambiguous square is joined otherwise than the bilinear "
                 "interpolant's own contour joins it. Which value of the square tells whether its "
-                "hyperbola passes between one pair of corners or the other?",
+                "hyperbola passes between one pair of corners or the other? And which of its "
+                "corners are inside?",
                 CROSSING: MISPLACED,
             },
             fields.squares,
@@ -157,10 +217,12 @@ EXERCISES = {
                 CLOSED: "A pattern leaves a hole: one of its polygons is not filled. An edge "
                 "inside the cell that only one triangle has shows where.",
                 ORIENTED: f"{SAME_WAY}: one of them is turned over.",
-                SIDES: "The surface does not part an inside corner from an outside one, "
-                "or faces the wrong way there.",
+                SIDES: WRONG_SIDE,
             },
             fields.cells,
+            between="Two cells do not fit each other: an open edge lies on the face that they "
+            "share, where one has it and the other does not. On a face with two opposite inside "
+            "corners every row of this table cuts both off.",
         ),
         Exercise(
             4,
@@ -170,6 +232,7 @@ EXERCISES = {
                 "opposite inside corners. One cell cuts both off, and the other joins them. What "
                 "decided, in each?",
                 ORIENTED: f"{SAME_WAY}.",
+                SIDES: WRONG_SIDE,
                 CROSSING: MISPLACED,
             },
             fields.noise,
@@ -178,7 +241,8 @@ EXERCISES = {
             5,
             "The asymptotic decider",
             {
-                CLOSED: "There is a hole: the two cells at a face do not decide it alike.",
+                CLOSED: "There is a hole: the two cells at a face do not decide it alike. Does it "
+                "matter to your arithmetic at which corner it begins?",
                 BILINEAR: "An ambiguous face is decided otherwise than its bilinear "
                 "interpolant says. Which corners of the face are inside, and on which side is the "
                 "way between them?",

@@ -76,14 +76,17 @@ def noise(count: int = 12) -> list[Case]:
 
 
 def faces() -> list[Case]:
-    """Two cells with an ambiguous face between them, whose mean and saddle often disagree."""
+    """Two cells with an ambiguous face between them, whose mean and saddle often disagree.
+
+    And some on which a saddle that is computed corner by corner differs with the first corner.
+    """
     rng = np.random.default_rng(5)
     found = []
     for k in range(24):
         values = rng.uniform(0.1, 1, (3, 2, 2)) * np.where(rng.random((3, 2, 2)) < 0.5, 1, -1)
         values[1] = rng.uniform(0.1, 4, (2, 2)) * [[1, -1], [-1, 1]]
         found.append(case(f"face-{k}", values))
-    return found + noise(2)
+    return found + noise(2) + saddles()[:24]
 
 
 def saddles() -> list[Case]:

@@ -58,8 +58,6 @@ TRIANGLES = [
 
 def row(signs):
     """The triangles of a pattern of inside corners, three edges each."""
-    # Fifteen configurations were enough in 1987: a pattern with more than four inside corners was
-    # drawn as the one with inside and outside exchanged, turned over.
     few = bin(signs).count("1") <= 4
     letters = TRIANGLES[signs] if few else TRIANGLES[255 - signs][::-1]
     numbers = [ord(letter) - ord("a") for letter in letters]
