@@ -1,11 +1,14 @@
 """Which corners the bilinear interpolant connects, beside a fine raster of the interpolant."""
 
+from collections.abc import Callable
+from fractions import Fraction
+
 import numpy as np
 import pytest
-from isograde.oracles.bilinear import saddle_sign, saddles
+from isograde.oracles.bilinear import _sign_by_parts, exact_sign, saddle_sign, saddles
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import FACES, traces
-from isoref.field import Field, Floats
+from isoref.field import Array, Field, Floats
 from scipy import ndimage
 
 
@@ -87,3 +90,49 @@ def test_saddles_are_those_of_the_faces_of_the_active_cells() -> None:
                 expected[i, j, k, axis, side] = np.sign((a * d - b * c) / (a + d - b - c))
     assert found == expected
     assert set(expected.values()) == {-1, 1}
+
+
+def exact(corners: Array, isovalue: float) -> list[int]:
+    """The signs, by rational arithmetic."""
+    found = []
+    for row in corners.tolist():
+        a, b, c, d = (Fraction(value) - Fraction(isovalue) for value in row)
+        found.append((a * d > b * c) - (a * d < b * c))
+    return found
+
+
+def nearly_equal(random: np.random.Generator, count: int) -> Floats:
+    """Corners whose products differ by a few units in the last place, or by less."""
+    a, b = random.uniform(-2, 2, (2, count))
+    steps = 1 + random.integers(-2, 3, (2, count)) * 2.0**-52
+    return np.stack([a, a * steps[0], b, b * steps[1]], axis=1)
+
+
+DRAWN: dict[str, tuple[Callable[[np.random.Generator], Array], float]] = {
+    "ones": (lambda random: random.choice([-1.0, 1.0], (300, 4)), 0.0),
+    "whole numbers": (lambda random: random.integers(-5, 6, (300, 4)).astype(float), 0.5),
+    "bytes": (lambda random: random.integers(98, 103, (300, 4)).astype(np.uint8), 100.0),
+    "nearly equal": (lambda random: nearly_equal(random, 300), 0.0),
+    "nearly equal, away": (lambda random: 1 + nearly_equal(random, 300) / 8, 1.0),
+    "single precision": (lambda random: nearly_equal(random, 300).astype(np.float32), 0.1),
+    "large whole numbers": (lambda random: random.integers(-(2**62), 2**62, (300, 4)), 0.5),
+    "tiny": (lambda random: random.choice([1e-300, -1e-300, 3e-300, 5e-324], (300, 4)), 0.0),
+    "huge": (lambda random: random.choice([1e300, -1e300, 3e300], (300, 4)), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_the_sign_by_parts_is_the_exact_one(name: str) -> None:
+    """What floating point cannot hold goes to fractions; of what it can there is nothing lost."""
+    draw, isovalue = DRAWN[name]
+    corners = draw(np.random.default_rng(0))
+    with np.errstate(over="ignore"):
+        found = exact_sign(corners, isovalue)
+    assert found.tolist() == exact(corners, isovalue)
+
+
+def test_the_sign_by_parts_tells_products_a_last_place_apart() -> None:
+    """All three signs occur, and no fraction is asked for."""
+    sign, known = _sign_by_parts(nearly_equal(np.random.default_rng(0), 300))
+    assert known.all()
+    assert set(sign.tolist()) == {-1, 0, 1}

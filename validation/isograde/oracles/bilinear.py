@@ -12,11 +12,14 @@ The denominator's sign is that of b00, so the sign of B(S, T) is that of b00 b11
 b00 and b11 are the inside corners, and the opposite where they are the outside ones.
 
 The product is taken in double precision with a bound on its rounding; where the bound does not
-tell the sign, it is taken again in exact rational arithmetic.
+tell the sign, what rounding took from each product decides [2], and where that cannot be had, exact
+rational arithmetic.
 
 References
 ----------
 [1] G. M. Nielson, B. Hamann, The asymptotic decider, IEEE Visualization 1991, section 2.
+[2] T. J. Dekker, A floating-point technique for extending the available precision, Numerische
+    Mathematik 18, 1971: sums and products as a rounded number and what it lacks.
 """
 
 from __future__ import annotations
@@ -32,6 +35,10 @@ from isograde.oracles.traces import FACES, Traces
 
 # Each factor is a rounded difference, each product and their difference is rounded once.
 ROUNDING = 8 * float(np.finfo(np.float64).eps)
+# A number times this one has its upper 26 digits where they can be rounded off.
+SPLIT = 2.0**27 + 1
+# Products of what is larger, and smaller than its inverse, have all their digits.
+SMALLEST = 2.0**-200
 
 
 def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
@@ -54,12 +61,70 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
     # The corners b00 and b11 are the inside ones where they are the higher ones.
     high = np.where(a + d > b + c, 1, -1)
     sign = np.sign(difference).astype(np.int64) * high
-    for n in np.flatnonzero(np.abs(difference) <= ROUNDING * size):
-        w, x, y, z = (Fraction(value) - Fraction(isovalue) for value in corners[n].tolist())
-        exact = w * z - x * y
-        sign[n] = ((exact > 0) - (exact < 0)) * high[n]
+    unsure = np.flatnonzero(np.abs(difference) <= ROUNDING * size)
+    if len(unsure):
+        sign[unsure] = exact_sign(np.asarray(corners)[unsure], isovalue) * high[unsure]
     with np.errstate(invalid="ignore", divide="ignore"):
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
+
+
+def exact_sign(corners: Array, isovalue: float) -> Integers:
+    """(n,) the sign of b00 b11 - b10 b01, of values (n, 4) less the isovalue.
+
+    >>> exact_sign(np.array([[0.1, 0.3, 0.1, 0.3], [2.0, 1, 2, 1]]), 0.0)
+    array([0, 0])
+    """
+    values = corners.astype(np.float64)
+    away = values - isovalue
+    sign, known = _sign_by_parts(away)
+    # The values themselves, and their distances from the isovalue, are to be these doubles.
+    given = corners.dtype.kind in "bf" or corners.dtype.itemsize < 8
+    known &= given and corners.dtype.itemsize <= 8 and float(isovalue) == isovalue
+    known &= (_lost(values, np.full_like(values, isovalue), away) == 0).all(axis=1)
+    for n in np.flatnonzero(~known):
+        w, x, y, z = (Fraction(value) - Fraction(isovalue) for value in corners[n].tolist())
+        exact = w * z - x * y
+        sign[n] = (exact > 0) - (exact < 0)
+    return sign
+
+
+def _lost(one: Floats, other: Floats, difference: Floats) -> Floats:
+    """What the rounded difference of two numbers lacks of the exact one."""
+    part = difference - one
+    return np.asarray((one - (difference - part)) - (other + part))
+
+
+def _sign_by_parts(away: Floats) -> tuple[Integers, Booleans]:
+    """(n,) the sign of a d - b c of doubles (n, 4), where the products differ little; if known.
+
+    Each product is a rounded number and what it lacks. The rounded ones, so near to each other,
+    have an exact difference; it is compared with that of what they lack, rounded, and where these
+    are equal, with what that rounding took.
+    """
+    a, b, c, d = away.T
+    size = np.abs(away)
+    known = ((size == 0) | ((size > SMALLEST) & (size < 1 / SMALLEST))).all(axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        (first, less), (second, lesser) = _product(a, d), _product(b, c)
+        gap, wanted = first - second, lesser - less
+        rest = _lost(lesser, less, wanted)
+        sign = np.where(gap != wanted, np.sign(gap - wanted), -np.sign(rest))
+    return np.where(known, sign, 0).astype(np.int64), known
+
+
+def _product(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    """The rounded product, and what it lacks of the exact one; neither may over- or underflow."""
+    product = a * b
+    (high, low), (high_b, low_b) = _halves(a), _halves(b)
+    lacking = ((high * high_b - product) + high * low_b + low * high_b) + low * low_b
+    return product, lacking
+
+
+def _halves(a: Floats) -> tuple[Floats, Floats]:
+    """Two numbers of half as many digits that add up to the number."""
+    moved = a * SPLIT
+    high = moved - (moved - a)
+    return high, a - high
 
 
 def tied_saddles(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:

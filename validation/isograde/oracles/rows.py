@@ -17,6 +17,9 @@ import numpy as np
 from isoref.field import Array, Floats, Integers
 
 # Square roots of primes: no sum of whole multiples of them is zero.
+WIDEST, FEW = 62, 256
+"""Bits of a key, and rows whose columns are not put together."""
+
 DIRECTION = np.sqrt([2.0, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])
 
 
@@ -27,13 +30,32 @@ def distinct(rows: Array) -> tuple[Integers, Integers]:
     [[1, 0], [1, 0, 1]]
     """
     count = len(rows)
-    order = np.lexsort(rows.T[::-1])
-    ordered = rows[order]
-    new = np.ones(count, bool)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    keys = _keys(rows) if rows.dtype.kind == "i" and count > FEW else list(rows.T)
+    order = np.lexsort(keys[::-1])
+    new = np.zeros(count, bool)
+    new[:1] = True
+    for key in keys:
+        ordered = key[order]
+        new[1:] |= ordered[1:] != ordered[:-1]
     name = np.empty(count, np.int64)
     name[order] = np.cumsum(new) - 1
     return order[new], name
+
+
+def _keys(rows: Integers) -> list[Integers]:
+    """Columns in the same order as those of `rows`, as many of these in one as it can hold."""
+    low, high = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+    keys: list[Integers] = []
+    held = 1 << WIDEST
+    for column, least, most in zip(rows.T, low, high, strict=True):
+        span = most - least + 1
+        held *= span
+        if held < 1 << WIDEST:
+            keys[-1] = keys[-1] * span + (column - least)
+        else:
+            keys.append(column.astype(np.int64))
+            held = span
+    return keys
 
 
 def near_pairs(places: Floats, tolerance: float, *, along_axes: bool = False) -> Integers:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gzip
 import io
 import json
+import math
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -28,6 +29,7 @@ FORMAT = 2
 LONGEST_FAULT = 400
 RECORDS = ("header", "claim", "case", "result", "evidence", "footer")
 JSON = dict[str, Any]
+AS_IT_IS = (str, int, bool, type(None))
 
 
 class ReportError(ValueError):
@@ -61,13 +63,15 @@ def line_of(record: Mapping[str, Any]) -> str:
 
 def plain(value: Any) -> Any:
     """The value with NumPy's types made Python's, and numbers that are not finite made text."""
+    if type(value) in AS_IT_IS:
+        return value
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset | np.ndarray):
         return [plain(item) for item in value]
     if isinstance(value, np.generic):
         return plain(value.item())
-    if isinstance(value, float) and not np.isfinite(value):
+    if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
 
