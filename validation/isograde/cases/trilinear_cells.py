@@ -101,10 +101,18 @@ def _first(name: str, seed: int, skip: int = 0) -> Floats:
 def drawn_cells(name: str, seed: int) -> Iterator[Floats]:
     """The random cells of this case, in the order in which they are drawn."""
     for block in range(BLOCKS):
-        values, names = _drawn(block, seed)
-        for i, found in enumerate(names):
-            if found == name:
-                yield np.asarray(values[i])
+        values, _ = _drawn(block, seed)
+        for i in _numbers(block, seed).get(name, ()):
+            yield np.asarray(values[i])
+
+
+@cache
+def _numbers(block: int, seed: int) -> dict[str, list[int]]:
+    """The numbers of the random cells in this block, by their cases."""
+    found: dict[str, list[int]] = {}
+    for number, name in enumerate(_drawn(block, seed)[1]):
+        found.setdefault(name, []).append(number)
+    return found
 
 
 @cache

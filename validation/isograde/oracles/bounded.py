@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 Numbers = NDArray[Any]
 Ints = NDArray[np.int64]
 EPS = 2.0**-52
+# Doubles hold all whole numbers up to this one.
+LARGEST = 1 << 53
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,15 @@ def integers(rows: ArrayLike, zero: Any = 0) -> Numbers:
     >>> integers([[0.5, 0.75]], 0.25)
     array([[1, 2]], dtype=object)
     """
+    given = np.asarray(rows)
+    exact = given.dtype.kind == "f" and given.dtype.itemsize <= 8
+    if given.dtype.kind in "biu" and given.size:
+        exact = -LARGEST < int(given.min()) and int(given.max()) < LARGEST
+    if exact and isinstance(zero, int | float) and float(zero) == zero and given.ndim == 2:
+        values = np.column_stack([given.astype(np.float64), np.full(len(given), float(zero))])
+        if np.isfinite(values).all():
+            whole = _whole(values)
+            return np.asarray(whole[:, :-1] - whole[:, -1:])
     taken = np.asarray(rows, object)
     level = Fraction(zero)
     scaled = []
@@ -88,3 +99,14 @@ def integers(rows: ArrayLike, zero: Any = 0) -> Numbers:
         scale = lcm(*(x.denominator for x in numbers))
         scaled.append([int(x * scale) for x in numbers])
     return np.array(scaled, object).reshape(taken.shape)
+
+
+def _whole(values: NDArray[np.float64]) -> Numbers:
+    """(n, k) doubles as Python integers, each row times the least power of two that takes."""
+    mantissa, exponent = np.frexp(values)
+    digits = (mantissa * 2.0**53).astype(np.int64)
+    # Write each number as an odd one times a power of two.
+    lowest = np.maximum(np.frexp((digits & -digits).astype(np.float64))[1] - 1, 0)
+    power = np.where(digits == 0, 0, exponent - 53 + lowest)
+    shift = power - np.minimum(power.min(axis=1, initial=0), 0)[:, None]
+    return np.asarray((digits >> lowest).astype(object) << shift.astype(object))

@@ -111,16 +111,11 @@ def _read(corners: Bounded) -> _Reading:
     """The reading of (n, 8) relative corner values."""
     signs, unsure = corners.sign(), corners.unsure().any(axis=1)
     ties = np.where((signs == 0).any(axis=1), CORNER, NONE)
-    faces = np.zeros((len(signs), 6), np.int64)
-    for face, (a, b, c, d) in enumerate(FACES):
-        ambiguous = (signs[:, [d, b, c]] * signs[:, [a]] == [1, -1, -1]).all(axis=1)
-        saddle = corners[:, a] * corners[:, d] - corners[:, b] * corners[:, c]
-        faces[:, face] = ambiguous * saddle.sign() * signs[:, a]
-        unsure |= ambiguous & saddle.unsure()
-        ties = np.where((ties == NONE) & ambiguous & (saddle.sign() == 0), FACE, ties)
+    faces, tied, open_faces = _faces(corners, signs)
+    ties = np.where((ties == NONE) & tied, FACE, ties)
     f, g = corners[:, :4], corners[:, 4:]
     order, open_order = _order(f, g, signs)
-    unsure |= open_order
+    unsure |= open_faces | open_order
     sequences = []
     for high in ((0, 3), (1, 2)):
         sequence, tied, open_q = _saddles(f, g, signs, order, high)
@@ -131,22 +126,31 @@ def _read(corners: Bounded) -> _Reading:
     return _Reading(rows, ties, unsure)
 
 
+def _faces(corners: Bounded, signs: Ints) -> tuple[Ints, NDArray[np.bool_], NDArray[np.bool_]]:
+    """(n, 6) the joined high corners on each face; where a saddle is tied; where unsure."""
+    a, b, c, d = np.array(FACES).T
+    ambiguous = (signs[:, d] == signs[:, a]) & (signs[:, b] == signs[:, c])
+    ambiguous &= signs[:, a] * signs[:, b] == -1
+    saddle = corners[:, a] * corners[:, d] - corners[:, b] * corners[:, c]
+    sign = saddle.sign()
+    tied, unsure = ambiguous & (sign == 0), ambiguous & saddle.unsure()
+    return ambiguous * sign * signs[:, a], tied.any(axis=1), unsure.any(axis=1)
+
+
 def _order(f: Bounded, g: Bounded, signs: Ints) -> tuple[Ints, NDArray[np.bool_]]:
     """order[a, b]: -1 where line a crosses zero before line b, 1 after, 0 together or not at all.
 
     A line crosses at t = |f| / (|f| + |g|), so that a is first where |f_a| |g_b| < |f_b| |g_a|.
     """
     crosses = signs[:, :4] * signs[:, 4:] < 0
+    a, b = np.array(PAIRS).T
+    both = crosses[:, a] & crosses[:, b]
+    f, g = (Bounded(abs(x.value), x.error) for x in (f, g))
+    gap = f[:, a] * g[:, b] - f[:, b] * g[:, a]
     order = np.zeros((4, 4, len(signs)), np.int64)
-    unsure = np.zeros(len(signs), bool)
-    sizes = [Bounded(abs(x.value), x.error) for x in (f, g)]
-    for a, b in PAIRS:
-        both = crosses[:, a] & crosses[:, b]
-        gap = sizes[0][:, a] * sizes[1][:, b] - sizes[0][:, b] * sizes[1][:, a]
-        order[a, b] = both * gap.sign()
-        order[b, a] = -order[a, b]
-        unsure |= both & gap.unsure()
-    return order, unsure
+    order[a, b] = (both * gap.sign()).T
+    order[b, a] = -order[a, b]
+    return order, np.asarray((both & gap.unsure()).any(axis=1))
 
 
 def _saddles(
@@ -157,49 +161,49 @@ def _saddles(
     Each line is as wanted on one interval that touches t = 0 or t = 1, so all four are as wanted
     on one interval: from the last of the lines that become so to the first that cease to be.
     """
-    n = len(signs)
+    rows = np.arange(len(signs))
     wanted = np.array([1 if line in high else -1 for line in range(4)])
     early, late = signs[:, :4] == wanted, signs[:, 4:] == wanted
-    begin, end = np.full(n, -1), np.full(n, -1)
+    begin, end = np.full(len(signs), -1), np.full(len(signs), -1)
     for line in range(4):
         begins, ends = ~early[:, line] & late[:, line], early[:, line] & ~late[:, line]
-        later = (begin < 0) | (order[line, begin, np.arange(n)] > 0)
-        sooner = (end < 0) | (order[line, end, np.arange(n)] < 0)
+        later = (begin < 0) | (order[line, begin, rows] > 0)
+        sooner = (end < 0) | (order[line, end, rows] < 0)
         begin, end = np.where(begins & later, line, begin), np.where(ends & sooner, line, end)
-    ordered = (begin < 0) | (end < 0) | (order[begin, end, np.arange(n)] < 0)
+    ordered = (begin < 0) | (end < 0) | (order[begin, end, rows] < 0)
     there = (early | late).all(axis=1) & ordered
-    at_begin = [_slice_values(f, g, begin, line, f) for line in range(4)]
-    at_end = [_slice_values(f, g, end, line, g) for line in range(4)]
-    return _signs_of_q(at_begin, at_end, there)
+    return _signs_of_q(_slice_values(f, g, begin, f), _slice_values(f, g, end, g), there)
 
 
-def _slice_values(f: Bounded, g: Bounded, root: Ints, line: int, default: Bounded) -> Bounded:
-    """Values of `line` where the line `root` is zero, times a positive number; root -1: `default`.
+def _slice_values(f: Bounded, g: Bounded, root: Ints, default: Bounded) -> Bounded:
+    """(n, 4) values of the lines where the line `root` is zero, times a positive number.
 
-    F on a line at that t is (f_l g_r - g_l f_r) / (g_r - f_r).
+    Where `root` is -1, they are `default`. F on a line at that t is
+    (f_l g_r - g_l f_r) / (g_r - f_r).
     """
     rows = np.arange(len(root))
     fr, gr = f[rows, root], g[rows, root]
-    value = f[:, line] * gr - g[:, line] * fr
+    value = f * gr[:, None] - g * fr[:, None]
     flip = np.where(gr.value > fr.value, 1, -1)
-    at_root = root >= 0
+    at_root = (root >= 0)[:, None]
     return Bounded(
-        np.where(at_root, value.value * flip, default.value[:, line]),
-        np.where(at_root, value.error, default.error[:, line]),
+        np.where(at_root, value.value * flip[:, None], default.value),
+        np.where(at_root, value.error, default.error),
     )
 
 
 def _signs_of_q(
-    p: list[Bounded], r: list[Bounded], there: NDArray[np.bool_]
+    p: Bounded, r: Bounded, there: NDArray[np.bool_]
 ) -> tuple[Ints, NDArray[np.bool_], NDArray[np.bool_]]:
     """Index into `SEQUENCES` for q between slices p and r; where tied; where unsure.
 
     With Bernstein coefficients b0, b1 / 2, b2 there are two roots inside iff b0 and b2 have one
     sign, b1 the other, and b1^2 > 4 b0 b2; a double root is a body saddle on the isovalue.
     """
-    b0 = p[0] * p[3] - p[1] * p[2]
-    b2 = r[0] * r[3] - r[1] * r[2]
-    b1 = (p[0] * r[3] + r[0] * p[3]) - (p[1] * r[2] + r[1] * p[2])
+    one, other = p[:, :2], p[:, [3, 2]]
+    ahead, beside = r[:, :2], r[:, [3, 2]]
+    b0, b2 = (_difference(products) for products in (one * other, ahead * beside))
+    b1 = _difference(one * beside + ahead * other)
     product = b0 * b2
     twice = b1 * b1 - (product + product) - (product + product)
     s0, s1, s2 = b0.sign(), b1.sign(), b2.sign()
@@ -208,11 +212,16 @@ def _signs_of_q(
     dips = there & (first == last) & (s1 == -first)
     two = dips & (twice.sign() > 0)
     tied = there & ((first == 0) | (dips & (twice.sign() == 0)))
-    one = np.where(first > 0, 1, 2)
-    sequence = np.where(first != last, one + 2, np.where(two, one + 4, one))
+    one_root = np.where(first > 0, 1, 2)
+    sequence = np.where(first != last, one_root + 2, np.where(two, one_root + 4, one_root))
     maybe = b1.unsure() | twice.unsure()
     unsure = there & (b0.unsure() | b2.unsure() | ((s0 == s2) & (s1 != s0) & maybe))
     return np.where(there, sequence, 0), tied, unsure
+
+
+def _difference(products: Bounded) -> Bounded:
+    """(n,) the first of each two, less the second."""
+    return products[:, 0] - products[:, 1]
 
 
 # --- what follows from it -----------------------------------------------------------------------
