@@ -185,16 +185,24 @@ def signs_of(inside: Booleans) -> Array:
 def rows_of(field: Field, isovalue: float, signs: Array, places: Integers) -> Integers:
     """(n,) index into `ROWS` of each cell, given by its signs and its lowest corner (n, 3)."""
     separated = np.zeros(len(places), np.int64)
-    for axis, side in product(range(3), (0, 1)):
-        corners = face_corners(axis, side)
-        i, j, k = np.moveaxis(places[:, None, :] + corners, -1, 0)
-        bits = [CORNERS.index(tuple(corner)) for corner in corners.tolist()]
+    cells, values = [], []
+    for corners, bits in _faces():
         a, b, c, d = (signs >> bit & 1 for bit in bits)
         ambiguous = np.flatnonzero((a == d) & (b == c) & (a != b))
-        values = field.values[i[ambiguous], j[ambiguous], k[ambiguous]]
-        # A saddle on the isovalue joins the inside corners, as a sample there is inside.
-        separated[ambiguous] += saddle_sign(values, isovalue)[0] < 0
+        i, j, k = np.moveaxis(places[ambiguous, None, :] + corners, -1, 0)
+        cells.append(ambiguous)
+        values.append(field.values[i, j, k])
+    # A saddle on the isovalue joins the inside corners, as a sample there is inside.
+    apart = saddle_sign(np.concatenate(values), isovalue)[0] < 0
+    np.add.at(separated, np.concatenate(cells)[apart], 1)
     return rows_with(signs, separated)
+
+
+@cache
+def _faces() -> list[tuple[Integers, list[int]]]:
+    """The corners 00, 10, 01, 11 of each face, as offsets and as bits of the signs."""
+    faces = [face_corners(axis, side) for axis, side in product(range(3), (0, 1))]
+    return [(face, [CORNERS.index(tuple(c)) for c in face.tolist()]) for face in faces]
 
 
 def rows_with(signs: Array, separated: Integers) -> Integers:

@@ -80,8 +80,12 @@ def vertices(trial: Trial) -> Finding:
     if not len(places):
         return skipped("there is no vertex")
     beyond = _beyond(lattice, places)
-    right = ~beyond & (_allowed(trial, places) | _in_end(trial, places))
-    bad = np.flatnonzero(~right & ~whole_of(trial).beside_tie(places))
+    allowed = _allowed(trial, places)
+    # Ask what explains a place that is not allowed, of those alone.
+    rest = np.flatnonzero(~allowed)
+    allowed[rest] = _in_end(trial, places[rest])
+    bad = np.flatnonzero(beyond | ~allowed)
+    bad = bad[~whole_of(trial).beside_tie(places[bad])]
     if not len(bad):
         return passed(vertices=len(places))
     first = int(bad[0])

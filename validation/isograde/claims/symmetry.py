@@ -166,7 +166,7 @@ def _within_a_period(lattice: Lattice, places: Floats, rows: Integers) -> tuple[
 
 def _turned(declared: Declaration, variant: variants.Variant, n: int) -> Declaration:
     """The declaration with its ends in the order of the variant's axes."""
-    if not variant.name.startswith("symmetry/"):
+    if not variant.name.startswith("symmetry/") or len(declared.domain) == 1:
         return declared
     order, _ = variants.symmetry_of(variant.name)
     ends = declared.ends(n)
@@ -273,12 +273,19 @@ def _same_traces(trial: Trial, other: Complex) -> str:
             f"{int(face)} of the cell at {ours.place[first].tolist()}"
         )
     mine = complex_of(trial)
-    on_edges = [_on_edges(lattice, mesh) for mesh in (mine, other)]
-    if told := _moved(lattice, *on_edges):
+    own = remembered(trial, "on edges", lambda: _on_edges(lattice, mine))
+    if told := _moved(lattice, own, _on_edges(lattice, other)):
         return told
     # Go on inside the cells whose faces are all judged, and bear no flat triangle.
     settled = (judged.all(axis=1) & ~_under_flat(ours))[row] & ~_under_flat(theirs)[other_row]
-    return _same_inside(lattice, (ours, row[settled]), (theirs, other_row[settled]), (mine, other))
+    sides = (ours, row[settled]), (theirs, other_row[settled])
+    if told := _hanging_otherwise(*sides):
+        return told
+    # Slivers at a tie are in one cell or in the next.
+    if lattice.tied.any():
+        return ""
+    areas = remembered(trial, "areas", lambda: _areas(lattice, mine)), _areas(lattice, other)
+    return _turned_over(lattice, ours, row[settled], areas)
 
 
 def _under_flat(found: Traces) -> Booleans:
@@ -289,46 +296,44 @@ def _under_flat(found: Traces) -> Booleans:
     return under
 
 
-def _same_inside(
-    lattice: Lattice,
-    ours: tuple[Traces, Integers],
-    theirs: tuple[Traces, Integers],
-    meshes: tuple[Complex, Complex],
-) -> str:
-    """How what is inside the cells differs, whose curves on their faces are the same.
+def _hanging_otherwise(ours: tuple[Traces, Integers], theirs: tuple[Traces, Integers]) -> str:
+    """How what is inside the cells hangs together, whose curves on their faces are the same.
 
-    How triangles are cut is free. Their number gives the Euler characteristic away, and the sum of
-    their areas as vectors is that of any surface with the same curves, if all are turned alike.
+    How triangles are cut is free; their number gives the Euler characteristic away.
     """
     (mine, row), (others, other_row) = ours, theirs
     changed = mine.excess[row] != others.excess[other_row]
-    if changed.any():
-        first = mine.place[row[changed][0]].tolist()
-        count = int(changed.sum())
-        if count == 1:
-            return f"the cell at {first} hangs together otherwise"
-        return f"{count} cells hang together otherwise, the first is that at {first}"
-    # Slivers at a tie are in one cell or in the next.
-    if lattice.tied.any():
+    if not changed.any():
         return ""
+    first = mine.place[row[changed][0]].tolist()
+    count = int(changed.sum())
+    if count == 1:
+        return f"the cell at {first} hangs together otherwise"
+    return f"{count} cells hang together otherwise, the first is that at {first}"
+
+
+def _turned_over(
+    lattice: Lattice, mine: Traces, row: Integers, areas: tuple[Floats, Floats]
+) -> str:
+    """Which cells have triangles turned over: two surfaces with the same curves, of these areas.
+
+    The sum of their areas as vectors is that of any surface with the same curves, if all are
+    turned alike.
+    """
     cell = np.ravel_multi_index(tuple(mine.place[row].T), lattice.shape)
-    areas = [_areas(lattice, mesh)[cell] for mesh in meshes]
-    turned = (np.abs(areas[0] - areas[1]) > ROUGH * lattice.tolerance).any(axis=1)
-    if turned.any():
-        first = mine.place[row[turned][0]].tolist()
-        return f"{int(turned.sum())} cells have triangles turned over, the first is that at {first}"
-    return ""
+    gap = np.abs(areas[0][cell] - areas[1][cell])
+    turned = (gap > ROUGH * lattice.tolerance).any(axis=1)
+    if not turned.any():
+        return ""
+    first = mine.place[row[turned][0]].tolist()
+    return f"{int(turned.sum())} cells have triangles turned over, the first is that at {first}"
 
 
 def _areas(lattice: Lattice, mesh: Complex) -> Floats:
     """(N, 3) the sum of the areas, as vectors, of the triangles of each cell."""
-    corners = mesh.points[mesh.simplices]
-    if not len(corners):
-        return np.zeros((int(np.prod(lattice.shape)), 3))
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
-    cell = _cells(lattice, corners.mean(axis=1))
     size = int(np.prod(lattice.shape))
-    return np.stack([np.bincount(cell, part, size) for part in area.T], axis=1)
+    cell = _cells(lattice, mesh.points[mesh.simplices].mean(axis=1))
+    return np.stack([np.bincount(cell, part, size) for part in (mesh.normals / 2).T], axis=1)
 
 
 def _same_squares(trial: Trial, other: Complex) -> str:

@@ -162,9 +162,17 @@ class Lattice:
         """
         places = np.subtract(points, self.field.origin) / self.field.spacing
         places = np.clip(places, -FAR, FAR)
-        for plane in (np.zeros(self.n), np.subtract(self.shape, 1.0), self.first, self.last):
+        for plane in self._planes:
             places = np.where(np.abs(places - plane) <= self.tolerance, plane, places)
         return places
+
+    @cached_property
+    def _planes(self) -> list[Floats]:
+        """(n,) the first and the last samples, and the ends of the domain that stand elsewhere."""
+        samples = [np.zeros(self.n), np.subtract(self.shape, 1.0)]
+        ends = [self.first, self.last]
+        same = all(map(np.array_equal, samples, ends))
+        return samples if same else [*samples, *ends]
 
     def on_border(self, places: Floats, rows: Integers) -> Booleans:
         """(r,) all vertices of the row lie at one end of the domain where it is open.

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import combinations
 
 import numpy as np
 from isoref.field import Booleans, Field, Floats, Integers
@@ -40,6 +41,16 @@ for _number, (_a, _b) in enumerate(EDGES):
     _half = [(_a >> bit & 1) + (_b >> bit & 1) for bit in (2, 1, 0)]
     _EDGE_AT[tuple(_half)] = _number
 _ON_FACE = np.array([[a in face and b in face for a, b in EDGES] for face in FACES])
+
+# Each two edges of one face, which have no other face in common, by face and edges; last the corner
+# in which they meet, or -1.
+_PAIRS_ON_FACES = np.array(
+    [
+        (face, a, b, *(set(EDGES[a]) & set(EDGES[b]) or {-1}))
+        for face, on in enumerate(_ON_FACE)
+        for a, b in combinations(np.flatnonzero(on).tolist(), 2)
+    ]
+)
 
 # A face's number in `FACES`, by twice its axis, and one more on the upper side.
 _NUMBER = np.array(
@@ -168,21 +179,13 @@ def true_arcs(truths: Truths) -> Booleans:
     """(n, 12, 12) the level set joins the crossings on these two edges across a face."""
     ends = np.array(EDGES)
     crossed = truths.high[:, ends[:, 0]] != truths.high[:, ends[:, 1]]
+    face, a, b, corner = _PAIRS_ON_FACES.T
+    joined = truths.faces[:, face]
+    # On an ambiguous face an arc cuts a corner off: one whose side is not joined.
+    side = np.where(truths.high[:, corner], 1, -1)
+    drawn = crossed[:, a] & crossed[:, b] & ((joined == 0) | ((corner >= 0) & (joined != side)))
     arcs = np.zeros((len(truths), 12, 12), bool)
-    for face, joined in enumerate(truths.faces.T):
-        edges = np.flatnonzero(_ON_FACE[face])
-        for a in edges:
-            for b in edges[edges > a]:
-                shared = set(EDGES[a]) & set(EDGES[b])
-                both = crossed[:, a] & crossed[:, b]
-                if shared:
-                    # On an ambiguous face an arc cuts a corner off: one whose side is not joined.
-                    side = np.where(truths.high[:, shared.pop()], 1, -1)
-                    both &= (joined == 0) | (joined != side)
-                else:
-                    both &= joined == 0
-                arcs[:, a, b] |= both
-                arcs[:, b, a] |= both
+    arcs[:, a, b] = arcs[:, b, a] = drawn
     return arcs
 
 

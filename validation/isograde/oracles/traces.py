@@ -29,6 +29,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
@@ -137,6 +138,10 @@ def polygons(code: int) -> int:
         old, new = group[p], group[q]
         group = {node: new if g == old else g for node, g in group.items()}
     return len(set(group.values()))
+
+
+_ONES = np.array([x.bit_count() for x in range(64)])
+"""Number of segments of a face's trace."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,20 +261,19 @@ class Traces:
             self.unjudged[row],
         )
 
-    @property
+    @cached_property
     def polygons(self) -> Integers:
         """(n,) number of closed curves in each cell's trace."""
         codes, group = np.unique(self.code, return_inverse=True)
         counts = np.array([polygons(int(c)) for c in codes], np.int64)
         return counts[group]
 
-    @property
+    @cached_property
     def segments(self) -> Integers:
         """(n,) number of segments in each cell's trace."""
-        ones = np.array([x.bit_count() for x in range(64)])
-        return np.asarray(ones[self.faces].sum(axis=1))
+        return np.asarray(_ONES[self.faces].sum(axis=1))
 
-    @property
+    @cached_property
     def excess(self) -> Integers:
         """(n,) triangles less those of one disc a curve, with the vertices inside the cell."""
         return np.asarray(self.triangles - self.segments - 2 * self.extra + 2 * self.polygons)
@@ -311,8 +315,10 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
         border may belong to what is beyond it; where the mesh ends in the border, it is the cell's.
     """
     shape = np.maximum(np.subtract(lattice.shape, 1), 0)
-    signs = signs_of(lattice)
-    active = np.flatnonzero((signs != 0) & (signs != 255))
+    if lattice not in _ACTIVE:
+        signs = signs_of(lattice)
+        _ACTIVE[lattice] = signs, np.flatnonzero((signs != 0) & (signs != 255))
+    signs, active = _ACTIVE[lattice]
     corner, code, extent = _triangles(lattice, places, faces)
     here = ((corner >= 0) & (corner < shape)).all(axis=1)
     proper = here & (extent == 1).all(axis=1)
@@ -342,6 +348,10 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
         lying,
         np.zeros(len(cell), bool),
     )
+
+
+_ACTIVE: WeakKeyDictionary[Lattice, tuple[NDArray[np.uint8], Integers]] = WeakKeyDictionary()
+"""The signs of a lattice's cells, and those with both sides: many meshes lie over one lattice."""
 
 
 def _flat_index(corner: Integers, shape: Integers) -> Integers:
