@@ -11,7 +11,7 @@ from bench_past_memory import Ball
 from isograde.report.plot import Series, curves
 from isograde.stopwatch import Machine
 from isoref.methods import extract
-from pages import Page
+from pages import Page, goal, profile
 
 
 @pytest.mark.parametrize("others", [0.0, 1.7])
@@ -56,3 +56,23 @@ def test_every_program_is_run() -> None:
     folder = Path(everything.__file__).parent
     assert len(everything.programs()) == len(list(folder.glob("bench_*.py"))) > 10
     assert set(everything.TOLD) <= set(everything.programs())
+
+
+def test_a_profile_gives_a_function_what_it_calls_outside_the_package() -> None:
+    """Shares add up to all of the time; sorting in NumPy is the time of who asks for it."""
+    values = np.random.default_rng(0).normal(size=(24, 24, 24))
+    rows = profile(lambda: extract(values, 0.0), "isoref", 3)
+    shares = [float(share.rstrip("%")) for _, share in rows]
+    assert len(rows) == 4
+    assert shares[:3] == sorted(shares[:3], reverse=True)
+    assert sum(shares) == pytest.approx(100, abs=3)
+    assert "others" in rows[-1][0]
+    assert all("." in name for name, _ in rows[:3])
+
+
+def test_a_goal_is_met_on_the_right_side_of_its_bound() -> None:
+    assert goal("a", (1.5, 1.4, 1.6), 1.5, most=True) == [
+        "a", "at most 1.5", "1.50 (1.40 to 1.60)", "met",
+    ]  # fmt: skip
+    assert goal("a", (1.4, 1.4, 1.6), 1.5, most=False)[-1] == "not met"
+    assert goal("a", (1.6, 1.4, 1.6), 1.5, most=True)[-1] == "not met"
