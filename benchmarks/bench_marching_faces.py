@@ -64,7 +64,7 @@ def reasons(first: Field, second: Field) -> list[str]:
     points = len(marching_faces(first, second))
     return [
         table_of(["marching faces, points: function", "of its time"], rows),
-        f"There are {faces:,} faces for {points:,} points. VTK's time falls with the volume, ours "
+        f"There are {faces:,} faces for {points:,} points. VTK's time grows with the volume, ours "
         "with the faces on which both fields change sign: so the ratio grows with the side, and a "
         "small volume is where the fixed cost of NumPy's calls, and of a few hundred passes over "
         "small arrays, counts most.",
