@@ -171,11 +171,18 @@ def pair(name: str, face: int, sign: int, seed: int) -> Floats:
 
 def cell_of(one: Topology, seed: int) -> Floats:
     """A cell in which this happens: the first of its case, moved."""
-    cell = _first(case_name(one), seed)
-    symmetry, sign = next(
-        (symmetry, sign) for symmetry, sign, found in _positions(topology_of(cell)) if found == one
-    )
-    return moved(cell, symmetry, sign)
+    name = case_name(one)
+    symmetry, sign = _moves_of(name, seed)[one]
+    return moved(_first(name, seed), symmetry, sign)
+
+
+@cache
+def _moves_of(name: str, seed: int) -> dict[Topology, tuple[Symmetry, int]]:
+    """What happens in the first cell of this case in any position, and the first that does it."""
+    found: dict[Topology, tuple[Symmetry, int]] = {}
+    for symmetry, sign, one in _positions(topology_of(_first(name, seed))):
+        found.setdefault(one, (symmetry, sign))
+    return found
 
 
 def cases(seed: int = 0) -> list[Case]:

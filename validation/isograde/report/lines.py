@@ -52,13 +52,18 @@ def open_text(path: Path, mode: str) -> Iterator[TextIO]:
 def write_line(file: TextIO, record: Mapping[str, Any]) -> JSON:
     """The record as written: one more line of the file."""
     made: JSON = plain(record)
-    file.write(line_of(made))
+    file.write(_spelt(made))
     return made
 
 
 def line_of(record: Mapping[str, Any]) -> str:
     """The record as a line."""
-    return json.dumps(plain(record), separators=(",", ":"), allow_nan=False) + "\n"
+    return _spelt(plain(record))
+
+
+def _spelt(made: JSON) -> str:
+    """A record that is plain, as a line."""
+    return json.dumps(made, separators=(",", ":"), allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:
