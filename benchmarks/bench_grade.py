@@ -15,10 +15,14 @@ from isograde import grading, report
 from isograde.declaration import Declaration
 from isograde.model import Adapter, Limits, Outcome, Request
 from isograde.report.plot import Bar, bars
-from isograde.runner import Options, Worker
-from pages import Page
+from isograde.runner import Options, Worker, plan
+from pages import Page, profile
 
 NAME = "skimage:lewiner"
+JUDGING = "judging (oracles, variants)"
+# What judging may take of the whole, and the seconds that the whole may take on two processors.
+SHARE, SECONDS = 0.5, 60.0
+TENTH, FUNCTIONS = 10, 16
 
 
 class Watched:
@@ -73,11 +77,32 @@ def shares(name: str, only: tuple[str, ...]) -> tuple[dict[str, float], int, int
         "starting the adapter": opened,
         "implementation": watched.inside,
         "adapter": watched.seconds - watched.inside,
-        "judging (oracles, variants)": max(0.0, judged - watched.seconds),
+        JUDGING: max(0.0, judged - watched.seconds),
         "fields, smallest cases, lines": max(0.0, graded - max(judged, watched.seconds)),
         "pages": written,
     }
     return found, len(made.results), watched.calls
+
+
+def by_function(name: str, only: tuple[str, ...]) -> list[list[str]]:
+    """Rows of a table: where the time of judging goes, by function, on every tenth case."""
+    options = Options(only=only, jobs=1)
+    worker = Worker.open(name, options)
+    try:
+        tasks = plan(options, worker.cases, worker.claims)[::TENTH]
+        return profile(lambda: [worker.judge(task) for task in tasks], "isograde", FUNCTIONS)
+    finally:
+        worker.adapter.close()
+
+
+def told(share: float, total: float) -> str:
+    """Whether the goals are met, by the share of judging and the seconds of the whole."""
+    shared = "met" if share <= SHARE else "not met"
+    whole = "met" if total < SECONDS else "not seen here"
+    return (
+        f"Judging takes {share:.0%} of it, asked at most {SHARE:.0%}: {shared}. All takes "
+        f"{total:.1f} s in one process, asked under {SECONDS:.0f} s in two: {whole}."
+    )
 
 
 def main() -> None:
@@ -100,6 +125,10 @@ def main() -> None:
         page.table(["", "seconds", "share"], rows)
         drawn = [Bar(part, one, one, one, colour) for part, one in found.items() if one > 0.001]
         page.plot(name.replace(":", "-"), bars(f"{name}: seconds of each part", "seconds", drawn))
+        if not arguments.only:
+            page.add(told(found[JUDGING] / total, total))
+        page.add(f"By function, on every {TENTH}th case, the adapter's waiting included:")
+        page.table(["function", "of its time"], by_function(name, tuple(arguments.only)))
     page.write(arguments.out)
 
 
