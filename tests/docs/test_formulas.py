@@ -126,6 +126,16 @@ def test_words_beside_words_are_definitions_and_drawings_stay() -> None:
         assert ":class: drawing" in rst_of(f"Title.\n\nThis:\n\n    {drawing}", Scope())
 
 
+def test_tables_of_the_source_are_tables() -> None:
+    """Between bars, with a head; and between rules, as definitions."""
+    told = rst_of("Title.\n\n| a | b |\n| --- | --- |\n| x, y | what `z` is |", Scope())
+    assert ".. list-table::\n   :header-rows: 1\n\n   * - a\n     - b\n" in told
+    assert "   * - x, y\n     - what ``z`` is\n" in told
+    told = rst_of("Title.\n\n=====  =====\nmany   ties\nfew    none at all\n=====  =====", Scope())
+    assert "   few\n      none at all" in told
+    assert "==" not in told
+
+
 def test_errors_of_two_kinds_are_one_list() -> None:
     """As those of one kind are."""
     doc = "Title.\n\nRaises\n------\nValueError\n    for one\nFieldError\n    for another"

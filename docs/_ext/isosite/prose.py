@@ -251,8 +251,24 @@ def drawn(paragraph: str, scope: Scope) -> str:
     return ".. code-block:: text\n   :class: drawing\n\n" + indent(block, "   ") + "\n\n"
 
 
+def table(rows: list[str], scope: Scope) -> str:
+    """Rows between bars, the second of them a line, as a table with a head."""
+    lines = []
+    for n, row in enumerate(rows):
+        if n != 1:
+            cells = [line_of(cell.strip(), scope) for cell in row.strip().strip("|").split("|")]
+            lines.append("   * - " + "\n     - ".join(cells))
+    return ".. list-table::\n   :header-rows: 1\n\n" + "\n".join(lines) + "\n\n"
+
+
 def told(paragraph: str, scope: Scope) -> str:
     """A paragraph that is not indented."""
+    lines = paragraph.splitlines()
+    if len(lines) > 2 and re.fullmatch(r"\|( *-+ *\|)+", lines[1]):
+        return table(lines, scope)
+    # Two columns between two rules.
+    if len(lines) > 2 and {*lines[0]} == {*lines[-1]} == {"=", " "}:
+        paragraph = "\n".join(lines[1:-1])
     if paragraph.startswith(">>>"):
         return ".. code-block:: pycon\n\n" + indent(paragraph, "   ") + "\n\n"
     numbered = re.split(r"^(?:\[(\d+)\]|(\d+)\.) ", paragraph, flags=re.MULTILINE)
