@@ -43,7 +43,10 @@ def command(name: str, folder: Path) -> list[str]:
     library = name.rpartition("-")[0]
     if language == "rust":
         return _built_by_cargo(library, lines, folder)
-    file = folder / f"lines.{ {'python': 'py', 'r': 'R', 'c': 'c', 'js': 'mjs'}[language] }"
+    file = (
+        folder
+        / f"lines.{ {'python': 'py', 'r': 'R', 'c': 'c', 'js': 'mjs', 'octave': 'm'}[language] }"
+    )
     if language == "js":
         built = ROOT / ".league" / library.replace("-", "_") / "node_modules"
         if shutil.which("node") is None or not built.exists():
@@ -70,6 +73,10 @@ def command(name: str, folder: Path) -> list[str]:
         flags = asked.stdout.split()
         subprocess.run(["gcc", str(file), "-o", str(program), *flags, "-lm"], check=True)
         return [str(program)]
+    if language == "octave":
+        if shutil.which("octave-cli") is None:
+            pytest.skip("no Octave here")
+        return ["octave-cli", "--quiet", "--no-init-file", str(file)]
     if language == "r" and shutil.which("Rscript") is None:
         pytest.skip("no R here")
     return ["node" if language == "js" else "Rscript", str(file)]
