@@ -109,7 +109,7 @@ def line_of_samples() -> Film:
 
 
 def ambiguous_square() -> Film:
-    """One square while the isovalue passes its mean and its saddle; the true contour, finely."""
+    """One square while the isovalue falls past its saddle; the true contour, finely."""
     a, b, c, d = 4.0, -1.7, 0.5, -1.7
     fine = np.linspace(0, 1, 41)
     s, t = np.meshgrid(fine, fine, indexing="ij")
@@ -117,12 +117,12 @@ def ambiguous_square() -> Film:
     saddle, mean = (a * c - b * d) / (a + c - b - d), (a + b + c + d) / 4
     corners = {(0, 0): a, (1, 0): b, (1, 1): c, (0, 1): d}
     steps = []
-    for isovalue in (-0.6, -0.4, -0.2, -0.12, -0.1, 0.0, 0.2, 0.4):
+    for isovalue in (0.0, -0.05, -0.1, -0.11, -0.12, -0.2, -0.4, -0.6):
         joined = saddle >= isovalue
         step = Step(
-            f"Isovalue {isovalue:g}: the saddle, {saddle:.3f}, is "
-            f"{'inside: joined' if joined else 'outside: separated'}. The mean, {mean:.3f}, is "
-            f"{'inside' if mean >= isovalue else 'outside'}."
+            f"Isovalue {isovalue:g}, which is subtracted: S is {saddle - isovalue:.3f}, "
+            f"{'inside: joined' if joined else 'outside: separated'}. The mean is "
+            f"{mean - isovalue:.3f}, {'inside' if mean >= isovalue else 'outside'}."
         )
         for one, other in pairwise([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]):
             step.line([one, other], GREY, 2)
@@ -134,7 +134,7 @@ def ambiguous_square() -> Film:
         step.dot(((a - d) / (a + c - b - d), (a - b) / (a + c - b - d)), RED, 6)
         steps.append(step)
     return Film(
-        "An ambiguous square while the isovalue passes its saddle, the red point",
+        "An ambiguous square while the isovalue falls past its saddle, the red point",
         steps, (0.5, 0.5), (2.2, 1.4), flat=True,
     )  # fmt: skip
 

@@ -12,9 +12,10 @@ from pathlib import Path
 from types import ModuleType
 from urllib.parse import parse_qsl
 
+import numpy as np
 import pytest
 from isograde.exercises import EXERCISES
-from isoref.cube import REPRESENTATIVES, ROTATIONS, moved_signs
+from isoref.cube import CORNERS, REPRESENTATIVES, ROTATIONS, configuration, moved_signs
 from isoref.cycles import ALL_SEPARATED, Polygon, cycles, share_face
 from isoref.methods import RULES
 
@@ -61,6 +62,7 @@ def test_a_lesson_has_a_figure_that_moves_and_its_exercise(lesson: Path) -> None
         parts = dict(parse_qsl(link))
         assert parts["tab"] in TABS
         assert parts.get("kind", "") in KINDS
+        assert parts.get("tiles", "lorensen-cline") in RULES
         assert set(parts.get("r", "lorensen-cline").split(",")) <= set(RULES)
         if "v" in parts:
             size = prod(map(int, parts["n"].split(",")))
@@ -173,8 +175,23 @@ def test_numbers_that_the_first_lessons_say_in_words_are_right() -> None:
     assert (3.5 - 3) / (5 - 3) == 0.25
     # Lesson 2: the mean is inside, and the saddle is not.
     a, b, c, d = 4, -1.7, 0.5, -1.7
-    assert "*a* = 4, *c* = 0.5 and\n*b* = *d* = -1.7" in text[2]
-    assert (a + b + c + d) / 4 > 0 > (a * c - b * d) / (a + c - b - d)
+    mean, saddle = (a + b + c + d) / 4, (a * c - b * d) / (a + c - b - d)
+    assert mean > 0 > saddle
+    said = " ".join(text[2].split())
+    assert "*a* = 4, *c* = 0.5 and *b* = *d* = -1.7" in said
+    assert f"the mean is {mean:.3g}, so inside, and the saddle {saddle:.3f}, so outside" in said
+
+
+def test_the_cell_of_lesson_5_is_of_configuration_3_and_falls_apart_as_its_text_says() -> None:
+    """The linked cell; and at 0.2, which the text names, its saddle is outside."""
+    text = (COURSE / "lesson_5.rst").read_text(encoding="utf-8")
+    (link,) = re.findall(r"cell of configuration 3\s<\.\./explorer\.html#([^>]+)>", text)
+    g = np.reshape([float(x) for x in dict(parse_qsl(link))["v"].split(",")], (2, 2, 2))
+    assert configuration(sum(1 << c for c in range(8) if g[CORNERS[c]] >= 0)) == 3
+    for value, joined in ((0.4, True), (0.2, False)):
+        assert str(value) in text
+        g[1, 1, 0] = value
+        assert (g[0, 0, 0] * g[1, 1, 0] >= g[1, 0, 0] * g[0, 1, 0]) == joined
 
 
 def test_a_polygon_of_seven_sides_has_a_fan_without_a_chord_on_a_face() -> None:
