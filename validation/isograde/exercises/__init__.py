@@ -14,7 +14,6 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from isoref.cube import CORNERS, FACE_CORNERS
 from isoref.field import Floats
 
 from isograde.adapters import open_adapter
@@ -134,11 +133,17 @@ def corners_told(found: Finding, evidence: Evidence | None) -> str:
     if evidence is None or not {"cell", "face"} <= set(found.numbers):
         return ""
     values = evidence.field.values - evidence.isovalues[0]
-    walk = FACE_CORNERS[int(found.numbers["face"])]
-    offsets = [CORNERS[c] for c in walk] if values.ndim == 3 else [(0, 0), (1, 0), (1, 1), (0, 1)]
-    places = [tuple(int(x) for x in np.add(found.numbers["cell"], one)) for one in offsets]
+    places = _walk(found.numbers["cell"], int(found.numbers["face"]))
     round_it = ", ".join(f"{values[at]:.4g} at {list(at)}" for at in places)
     return f"; its corners, minus the isovalue: {round_it}"
+
+
+def _walk(cell: Sequence[int], face: int) -> list[tuple[int, ...]]:
+    """The corners of a square, or of face 2 axis + side of a cell, in the order of a walk."""
+    across = {face // 2: face % 2} if len(cell) == 3 else {}
+    s, t = (axis for axis in range(len(cell)) if axis not in across)
+    steps = [{s: x, t: y, **across} for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return [tuple(int(at) + step[axis] for axis, at in enumerate(cell)) for step in steps]
 
 
 def open_edges(evidence: Evidence) -> Floats:
