@@ -6,7 +6,7 @@ function values = samples (asked)
   % The samples of a request as an array whose axes are those of the request.
   types = struct ("b1", "uint8", "u1", "uint8", "u2", "uint16", "u4", "uint32", "u8", "uint64", ...
                   "i1", "int8", "i2", "int16", "i4", "int32", "i8", "int64", ...
-                  "f4", "single", "f8", "double");
+                  "f2", "uint16", "f4", "single", "f8", "double");
   order = "ieee-le";
   if (asked.dtype(1) == ">")
     order = "ieee-be";
@@ -15,8 +15,22 @@ function values = samples (asked)
   fseek (file, asked.offset, SEEK_SET);
   values = fread (file, prod (asked.shape), ["*" types.(asked.dtype(2:3))], 0, order);
   fclose (file);
+  if (strcmp (asked.dtype(2:3), "f2"))
+    values = halves (values);
+  endif
   % The last axis is fastest in the file, the first in Octave.
   values = permute (reshape (values, fliplr (asked.shape(:)')), [3 2 1]);
+endfunction
+
+function values = halves (bits)
+  % Numbers of half precision, a type that Octave lacks, from their bits: in single precision.
+  bits = double (bits);
+  exponent = mod (floor (bits / 1024), 32);
+  fraction = mod (bits, 1024) / 1024;
+  values = (fraction + (exponent > 0)) .* 2 .^ (max (exponent, 1) - 15);
+  values(exponent == 31) = Inf;
+  values(exponent == 31 & fraction > 0) = NaN;
+  values = single (values .* (1 - 2 * (bits >= 32768)));
 endfunction
 
 function line = rows_of (numbers, form)
