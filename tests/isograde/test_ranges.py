@@ -9,6 +9,8 @@ import pytest
 from isograde.cases import all_cases
 from isograde.declaration import Declaration
 from isograde.model import Finding, Verdict
+from isoref.field import Field
+from isoref.methods import METHODS
 
 from tests.isograde import mistaken
 from tests.isograde.judging import Here, grade
@@ -21,6 +23,12 @@ def measured(function: Any, claim: str, case: str = CASE) -> Finding:
     here = Here(function, Declaration("here"))
     [(_, _, found)] = grade(here, [all_cases()[case]], claim)
     return found
+
+
+def labels(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The surface of what is inside, which compares no values."""
+    mesh = METHODS["label-cubes"](Field.of(values, spacing), isovalue)
+    return mesh.vertices, mesh.simplices
 
 
 def test_the_reference_stays_the_same_from_end_to_end() -> None:
@@ -97,6 +105,13 @@ def test_samples_of_1e300_beside_ordinary_ones_are_borne_or_not() -> None:
     assert measured(squares, "range.extremes").verdict is Verdict.PASS
     assert measured(overflowing, "range.extremes").verdict is Verdict.FAIL
     assert measured(torn, "range.extremes").verdict is Verdict.FAIL
+
+
+def test_a_surface_of_labels_is_asked_at_every_sample() -> None:
+    """Of "range.extremes": its vertices are halfway, however large the samples are."""
+    here = Here(labels, Declaration("here", interpolant="labels"))
+    [(_, _, found)] = grade(here, [all_cases()[CASE]], "range.extremes")
+    assert found.verdict is Verdict.PASS
 
 
 def test_a_crossing_that_rounds_to_a_sample_is_on_neither_side_of_it() -> None:

@@ -21,7 +21,13 @@ def importer(paper: str) -> Callable[[str], ModuleType]:
         sys.path.insert(0, str(folder))
 
     def load(name: str) -> ModuleType:
-        return _own(folder / f"{name}.py") if name == "reproduce" else importlib.import_module(name)
+        if name == "reproduce":
+            return _own(folder / f"{name}.py")
+        # A module may import its own paper's `reproduce`, and not one that another paper left.
+        sys.path.remove(str(folder))
+        sys.path.insert(0, str(folder))
+        sys.modules.pop("reproduce", None)
+        return importlib.import_module(name)
 
     return load
 

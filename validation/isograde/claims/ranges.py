@@ -82,7 +82,10 @@ def extremes(trial: Trial) -> Finding:
         told = "extremes: what came is no mesh of finite coordinates"
         return failed(told, variant="extremes")
     plain = {"plain": outcome}
-    asked = [(topology.sides, Trial(case, _touched(field, isovalues), trial.declaration, plain))]
+    # Who sees inside and outside alone has no crossing near a sample.
+    labels = trial.declaration.interpolant == "labels"
+    beside = field if labels else _touched(field, isovalues)
+    asked = [(topology.sides, Trial(case, beside, trial.declaration, plain))]
     if topology.has_facets(trial.kind):
         asked.insert(0, (topology.closed, Trial(case, field, trial.declaration, plain)))
     passes = 0

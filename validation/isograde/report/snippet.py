@@ -484,8 +484,10 @@ def _on_calls(claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
             raise NoLinesError(
                 "The larger field ran out of time, and lines would wait for it as long."
             )
-        allowed = max(calls.SECONDS, calls.WORSE * times * numbers["seconds"])
-        text = SLOWER if numbers["seconds_larger"] > allowed else LARGER
+        # Of both, the memory is shown, which other programs do not disturb.
+        least = max(numbers["bytes"], case.build().values.nbytes)
+        allowed = max(calls.BYTES, calls.WORSE * times * least)
+        text = LARGER if numbers["bytes_larger"] > allowed else SLOWER
     assert text is not None, claim
     one = "{0}, isovalue[0], spacing" if m == 1 else "*given({0})"
     return text.format(
