@@ -211,9 +211,9 @@ def squaring(values: Any, isovalue: float, spacing: Any) -> Any:
 
 
 def hoarding(*asked: Any) -> Any:
-    """A table with a row and a column for every eighth vertex."""
+    """A table with a row and a column for every fifth vertex."""
     vertices, faces = correct(*asked)
-    table = np.ones((len(vertices) // 8, len(vertices) // 8), np.int8)
+    table = np.ones((len(vertices) // 5, len(vertices) // 5), np.int8)
     return vertices + 0 * table[:1, :1].sum(), faces
 
 
