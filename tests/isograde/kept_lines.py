@@ -30,6 +30,7 @@ import numpy as np
 from isograde.adapters.registry import READY_MADE
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import CONTOURS, CURVES, SURFACES, Kind
+from isograde.report.lines import lines as records
 from isograde.report.reading import Report, read
 from isograde.report.snippet import snippet
 from isograde.runner import processors
@@ -223,7 +224,8 @@ def run(path: Path) -> list[Ran]:
 
 def installed(path: Path) -> bool:
     """Whether the lines can be run here: they are in Python, and the library is installed."""
-    ready = READY_MADE.get(read(path).spec)
+    header = next(iter(records(path)))
+    ready = READY_MADE.get(str(header["spec"]))
     names = () if ready is None else ready.imports
     return bool(names) and all(importlib.util.find_spec(name.split(".")[0]) for name in names)
 

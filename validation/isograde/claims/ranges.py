@@ -81,16 +81,13 @@ def extremes(trial: Trial) -> Finding:
     if outcome.mesh_of(trial.kind) is None:
         told = "extremes: what came is no mesh of finite coordinates"
         return failed(told, variant="extremes")
-    plain = {"plain": outcome}
     # Who sees inside and outside alone has no crossing near a sample.
     labels = trial.declaration.interpolant == "labels"
-    beside = field if labels else _touched(field, isovalues)
-    asked = [(topology.sides, Trial(case, beside, trial.declaration, plain))]
-    if topology.has_facets(trial.kind):
-        asked.insert(0, (topology.closed, Trial(case, field, trial.declaration, plain)))
+    asked = [(topology.closed, field)] if topology.has_facets(trial.kind) else []
+    asked.append((topology.sides, field if labels else _touched(field, isovalues)))
     passes = 0
-    for judge, large in asked:
-        finding = judge(large)
+    for judge, posed_field in asked:
+        finding = judge(Trial(case, posed_field, trial.declaration, {"plain": outcome}))
         if finding.verdict is Verdict.FAIL:
             return failed(f"extremes: {finding.detail}", variant="extremes")
         passes += finding.verdict is Verdict.PASS

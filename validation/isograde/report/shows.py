@@ -109,8 +109,9 @@ above = values.reshape(m, *shape).astype(float) - np.reshape(isovalue, (m,) + (1
 least = 1e-4
 for f in above if m == 1 else ():
     high, low = (maximum_filter(np.where(s, abs(f), 0.0), 3) for s in (f > 0, f <= 0))
-    f[abs(f) < 1e-9 * np.where(f > 0, low, high)] = 0
-    least = min([least, *(abs(f)[f != 0] / np.maximum(np.where(f > 0, low, high)[f != 0], 1e-300))])
+    across = np.where(f > 0, low, high)
+    f[abs(f) < 1e-9 * across] = 0
+    least = min([least, *(abs(f) / np.maximum(across, 1e-300))[f != 0]])
 places, aside = vertices / spacing, least / 10 * np.random.default_rng(0).uniform(0.3, 1, n)
 
 
