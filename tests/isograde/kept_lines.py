@@ -5,7 +5,7 @@ that is right. So each program is run twice, in a process of its own: as it stan
 `extract` replaced by a method of the reference that answers in the conventions of the accused.
 Which method that is follows from the claim and from the family; where none of ours can hold the
 claim, which is said in `NONE`, the program is run on the accused alone. A report of a library that
-is not installed here is left out and counted.
+is not installed here, or of the league's and not built, is left out and counted.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import os
 import pickle
 import signal
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -161,10 +162,18 @@ def reference(declared: Declaration, claim: str, kind: Kind) -> Callable[..., An
 
 def ended(program: str, given: dict[str, Any]) -> tuple[str, str]:
     """How a program ends in a process of its own: "fails" by its assertion, "silent", or else."""
+    with tempfile.TemporaryDirectory() as place:
+        return _ended(program, given, place)
+
+
+def _ended(program: str, given: dict[str, Any], place: str) -> tuple[str, str]:
+    """The same; the program is run at the root, and what it leaves in this place is removed."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if not child:
         os.close(read_end)
+        os.chdir(KEPT.parent)
+        tempfile.tempdir = place
         signal.alarm(SECONDS)
         told = io.StringIO()
         try:
@@ -223,9 +232,11 @@ def run(path: Path) -> list[Ran]:
 
 
 def installed(path: Path) -> bool:
-    """Whether the lines can be run here: they are in Python, and the library is installed."""
-    header = next(iter(records(path)))
-    ready = READY_MADE.get(str(header["spec"]))
+    """Whether the lines can be run here: the library is installed, or the program is built."""
+    spec = str(next(iter(records(path)))["spec"])
+    if spec.startswith("exec:"):
+        return (KEPT.parent / spec.removeprefix("exec:").split()[0]).exists()
+    ready = READY_MADE.get(spec)
     names = () if ready is None else ready.imports
     return bool(names) and all(importlib.util.find_spec(name.split(".")[0]) for name in names)
 

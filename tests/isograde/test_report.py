@@ -580,7 +580,8 @@ def test_the_lines_that_show_a_failure_name_the_reference_and_nothing_of_the_gra
         ("skimage:lorensen", "method='lorensen'"),
         ("pymcubes", "mcubes.marching_cubes"),
         ("python:mine:extract", "from mine import extract as extract"),
-        ("exec:./mine", None),
+        ("exec:./mine", "command = './mine'"),
+        ("dir:answers", None),
         ("python:./mine.py:extract", 'run_path("./mine.py")'),
     ],
 )

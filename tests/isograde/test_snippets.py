@@ -8,15 +8,20 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
+import shlex
+import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
 from isograde import grading
+from isograde.adapters import open_adapter
 from isograde.adapters.python import PythonAdapter
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS
@@ -31,6 +36,7 @@ from tests.isograde import accused
 from tests.isograde.judging import Here
 from tests.isograde.miniatures import BROKEN, ROUGH, Inside, Miniature
 from tests.isograde.reporting import graded
+from tests.isograde.test_adapters_foreign import KUHN
 from tests.isograde.test_claims import CASES
 from tests.isograde.test_perfect_claim import BROKEN as DEGENERATE
 
@@ -322,7 +328,7 @@ def test_what_calls_do_to_each_other_and_cost_is_shown(name: str) -> None:
 
 @pytest.mark.parametrize("claim", sorted(WITHOUT))
 def test_the_page_says_why_there_are_no_lines(claim: str) -> None:
-    """In a sentence, as where the program is none of Python or the field is too large."""
+    """In a sentence, as where the answers stand in a folder or the field is too large."""
     [one] = [one for one in BROKEN if one.breaks == claim]
     cases = [all_cases(0)[case] for case in SOME[:2]]
     posed = [replace(case, tags=case.tags | {"posed"}) for case in cases]
@@ -333,10 +339,62 @@ def test_the_page_says_why_there_are_no_lines(claim: str) -> None:
     assert snippet(report, summary) is None
     assert "convention" in without(report, summary)
     assert "Without isograde: what it does with such input is a convention" in page(report)
-    foreign = graded(Inside(KNOWN[1]), "exec:./program", posed, KNOWN[1].breaks)
+    foreign = graded(Inside(KNOWN[1]), "dir:answers", posed, KNOWN[1].breaks)
     summary = foreign.summaries[KNOWN[1].breaks]
     assert snippet(foreign, summary) is None
     assert "No lines of Python" in without(foreign, summary)
+
+
+SERVICE = Path(__file__).parents[2] / "validation" / "league" / "services" / "serve.py"
+
+
+def served(folder: Path, name: str) -> str:
+    """The command of a program, of its own, that answers as a function of `accused`, in files."""
+    shutil.copy(SERVICE, folder)
+    (folder / "adapter.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(Path.cwd())!r})\n"
+        f"from tests.isograde.accused import {name} as extract\n",
+        encoding="utf-8",
+    )
+    method = {"function": "extract", "options": {}, "declaration": {"name": name}}
+    (folder / "method.json").write_text(json.dumps(method), encoding="utf-8")
+    return shlex.join([sys.executable, str(folder / "serve.py"), str(folder / "method.json")])
+
+
+def cut(folder: Path, name: str) -> str:
+    """The command of a program that prints polylines, some without their ends."""
+    text = KUHN.read_text(encoding="utf-8")
+    if name == "cut":
+        at = "        push @chains, ["
+        assert text.count(at) == 1
+        text = text.replace(at, f"        pop @chain if @chain > 2;\n{at}")
+    (folder / f"{name}.pl").write_text(text, encoding="utf-8")
+    return shlex.join(["perl", str(folder / f"{name}.pl"), "polylines"])
+
+
+@pytest.mark.parametrize(
+    ("command", "wrong", "right", "case"),
+    [(served, "HOLED", "MEAN", "noise/white-5x6x7"), (cut, "cut", "whole", "contours/noise")],
+)
+def test_a_program_in_any_language_is_shown_by_lines_that_ask_it(
+    command: Callable[[Path, str], str], wrong: str, right: str, case: str, tmp_path: Path
+) -> None:
+    """Its own command stands in the lines; they fail on who is wrong, and not on the other."""
+    spec = f"exec:{command(tmp_path, wrong)}"
+    adapter = open_adapter(spec)
+    try:
+        posed = replace(all_cases(0)[case], tags=frozenset({"posed"}))
+        report = graded(adapter, spec, [posed], "topology.closed")
+    finally:
+        adapter.close()
+    program = snippet(report, report.summaries["topology.closed"])
+    assert program is not None
+    status, told = ends(program)
+    assert status == 1
+    assert told
+    called = spec.removeprefix("exec:")
+    assert ascii(called) in program
+    assert ends(program.replace(ascii(called), ascii(command(tmp_path, right)))) == (0, "")
 
 
 def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> None:

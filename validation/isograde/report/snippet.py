@@ -3,9 +3,9 @@
 The lines hold the implementation as its own users call it, the samples, and statements that collect
 what is wrong, print it, and end in an assertion: they fail on the accused, and say nothing where
 the claim holds. What is wrong is looked for in the simplices, so the same lines serve every kind.
-A field that is too large to print is made by its formula, where it has one. Where there are no
-lines, as for programs in other languages, the page says why in a sentence (`without`); there is
-still the command that grades the case again.
+A field that is too large to print is made by its formula, where it has one. A program in another
+language is asked by a few lines more. Where there are no lines, as for a folder of answers, the
+page says why in a sentence (`without`); there is still the command that grades the case again.
 """
 
 from __future__ import annotations
@@ -77,6 +77,49 @@ BODY_NAME = re.compile(r"bodies/(2|3)-1/(circle|sphere)-\d+-(?P<type>\w+)")
 
 PYTHON_FILE = 'import runpy\n\nextract = runpy.run_path("{module}")["{function}"]'
 PYTHON = "from {module} import {function} as extract"
+# A program in any language is asked as the grader asks it, in as few lines as that takes.
+PROGRAM = '''import json
+from pathlib import Path
+from subprocess import PIPE, Popen
+from tempfile import TemporaryDirectory
+
+
+# Asked as `isograde explain protocol` says, from the folder from which it was graded.
+command = {command}
+program = Popen(command, shell=True, stdin=PIPE, stdout=PIPE, encoding="utf-8")
+folder = TemporaryDirectory()
+
+
+def told(**message):
+    """What the program answers to a message."""
+    print(json.dumps(message), file=program.stdin, flush=True)
+    said = json.loads(program.stdout.readline() or '{{"error": "the program ended"}}')
+    if refused := said.get("error", said.get("unsupported")):
+        raise RuntimeError(refused)
+    return said
+
+
+def extract(values, isovalue, spacing):
+    """The program's polylines, or its vertices and simplices; they may stand in files."""
+    isovalues, path = np.atleast_1d(isovalue).tolist(), Path(folder.name, "values.npy")
+    values = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+    np.save(path, values)
+    said = told(
+        command="run", id=1, dtype=values.dtype.str, shape=values.shape[-len(spacing) :],
+        components=len(isovalues), spacing=list(map(float, spacing)), isovalues=isovalues,
+        offset=path.stat().st_size - values.nbytes, values=str(path), directory=folder.name,
+        case="lines",
+    )
+    if "answer" in said:
+        said = json.loads(Path(folder.name, said["answer"]).read_text(encoding="utf-8"))
+    given = [said.get(word) for word in ("vertices", "simplices", "faces", "polygons", "polylines")]
+    files = [np.load(path.parent / one) if isinstance(one, str) else one for one in given]
+    vertices, *rows, lines = files
+    return lines or (vertices, next(one for one in rows if one is not None))
+
+
+told(command="start", protocol=3)
+'''
 
 # Two functions that every snippet has: an answer as arrays, whatever its form, and a call.
 ANSWER = '''
@@ -776,6 +819,8 @@ def calling(spec: str, given: str = "samples") -> str | None:
             definitions = ["\n".join([*imports, lines]), *definitions]
             lines = "\n\n\n".join([*definitions, "extract = on_samples(extract)"])
         return lines
+    if kind == "exec":
+        return PROGRAM.format(command=ascii(rest))
     ready = READY_MADE.get(spec)
     return None if ready is None else ready.source
 
