@@ -80,6 +80,11 @@ for (const group of document.querySelectorAll(".group")) {
     hide.addEventListener("click", () => {
       hidden.add(row);
       filter();
+      // The keyboard goes on at the next row that is shown, or at what shows the hidden ones.
+      let next = row;
+      while (next?.hidden) next = next.nextElementSibling;
+      const at = next?.querySelector(".hide") ?? form.querySelector(".back");
+      at.focus({ preventScroll: true });
     });
     row.cells[0].append(hide);
   }
@@ -139,8 +144,21 @@ function open() {
 }
 addEventListener("hashchange", open);
 open();
+const undo = [];
 addEventListener("beforeprint", () => {
-  for (const one of document.querySelectorAll(".need")) one.removeAttribute("name");
-  for (const one of document.querySelectorAll("details:not(.columns)")) one.open = true;
-  for (const one of document.querySelectorAll(".answer li")) one.hidden = false;
+  for (const one of document.querySelectorAll(".need[name]")) {
+    one.removeAttribute("name");
+    undo.push(() => one.setAttribute("name", "need"));
+  }
+  for (const one of document.querySelectorAll("details:not(.columns):not([open])")) {
+    one.open = true;
+    undo.push(() => (one.open = false));
+  }
+  for (const one of document.querySelectorAll(".answer li[hidden]")) {
+    one.hidden = false;
+    undo.push(() => (one.hidden = true));
+  }
+});
+addEventListener("afterprint", () => {
+  while (undo.length) undo.pop()();
 });
