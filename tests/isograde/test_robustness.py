@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
-from isograde.declaration import Conventions, Declaration, End
+from isograde.declaration import Conventions, Declaration, End, Scope
 from isograde.model import Verdict
 
 from tests.isograde.cheats import CHEATS
@@ -83,6 +83,19 @@ def test_bad_input_is_refused_with_words() -> None:
     assert verdict(cubes, Declaration("cubes"), "bad_input") is Verdict.PASS
     assert verdict(mute, Declaration("mute"), "bad_input") is Verdict.FAIL
     assert verdict(CHEATS["always_empty"].function, Declaration("e"), "bad_input") is Verdict.FAIL
+
+
+def test_who_takes_planes_too_is_right_to_answer_one() -> None:
+    """A field with one axis less is bad input only to those who do not take its kind."""
+
+    def planes(values: Any, isovalue: float, spacing: Any) -> Any:
+        if values.ndim == 2 and values.size:
+            return np.empty((0, 2)), np.empty((0, 2), np.int64)
+        return cubes(values, isovalue, spacing)
+
+    both = Declaration("planes", limits=Scope(kinds=((3, 1), (2, 1))))
+    assert verdict(planes, both, "bad_input") is Verdict.PASS
+    assert verdict(planes, Declaration("planes"), "bad_input") is Verdict.FAIL
 
 
 def test_out_of_range_gives_nothing_but_a_capped_box_below() -> None:
