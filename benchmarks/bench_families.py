@@ -19,7 +19,7 @@ from bench_extraction import gyroid, noise, sphere
 from isograde.stopwatch import interleave, peak_memory
 from isoref.field import Array, Field
 from isoref.methods import METHODS
-from pages import GOAL_HEADS, Page, goal, over, profile, table_of
+from pages import Page, over, profile, table_of
 
 Run = Callable[[], int]
 FIELDS: dict[str, Callable[[], Array]] = {
@@ -127,8 +127,8 @@ def reasons(values: Array) -> list[str]:
     ]
 
 
-def table(family: str, name: str, values: Array, rounds: int, asked: list[list[str]]) -> str:
-    """The Markdown table of one family on one field; `asked` grows by what was asked."""
+def table(family: str, name: str, values: Array, rounds: int, page: Page) -> str:
+    """The Markdown table of one family on one field; the page notes what was asked."""
     contestants = {f"isoref {method}": ours(method, values) for method in FAMILIES[family]}
     contestants |= PEERS[family](values)
     contestants["isoref asymptotic-decider"] = ours("asymptotic-decider", values)
@@ -141,9 +141,13 @@ def table(family: str, name: str, values: Array, rounds: int, asked: list[list[s
     ]
     timings = interleave(contestants, rounds)
     mine = f"isoref {FIRST[family]}"
-    for peer in PEERS[family](values):
+    nearest = PEERS[family](values)
+    for peer in nearest:
         found = over(timings, peer, mine)
-        asked.append(goal(f"{peer} over {mine}, {name}", found, 1.0, most=False))
+        page.ask("families", f"{peer} over {mine}, {name}", found, 1.0, most=False)
+    if not nearest:
+        absent = "VTK is not here"
+        page.ask("families", f"VTK over {mine}, {name}", None, 1.0, most=False, absent=absent)
     for timing in timings:
         run = contestants[timing.name]
         memory = peak_memory(run) / 2**20
@@ -164,12 +168,11 @@ def main() -> None:
         "Other families, one thread",
         f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
     )
-    asked: list[list[str]] = []
     for name in arguments.fields:
         for family in FAMILIES:
-            page.add(table(family, name, FIELDS[name](), arguments.rounds, asked))
-    page.add("## What was asked, and what was found", table_of(GOAL_HEADS, asked))
-    page.add("## Where the time of dual marching cubes goes")
+            page.add(table(family, name, FIELDS[name](), arguments.rounds, page))
+    page.show_goals()
+    page.why()
     for name in arguments.fields:
         page.add(f"### {name}", *reasons(FIELDS[name]()))
     page.write(arguments.out)

@@ -95,14 +95,11 @@ def by_function(name: str, only: tuple[str, ...]) -> list[list[str]]:
         worker.adapter.close()
 
 
-def told(share: float, total: float) -> str:
-    """Whether the goals are met, by the share of judging and the seconds of the whole."""
-    shared = "met" if share <= SHARE else "not met"
-    whole = "met" if total < SECONDS else "not seen here"
-    return (
-        f"Judging takes {share:.0%} of it, asked at most {SHARE:.0%}: {shared}. All takes "
-        f"{total:.1f} s in one process, asked under {SECONDS:.0f} s in two: {whole}."
-    )
+def ask(page: Page, name: str, share: float, total: float) -> None:
+    """Note what was asked of the share of judging, and of the seconds of the whole."""
+    page.ask("grade", f"judging's share of the grade of {name}", (share,) * 3, SHARE, most=True)
+    what = f"seconds of the grade of {name}, in one process where two were asked"
+    page.ask("grade", what, (total,) * 3, SECONDS, most=True)
 
 
 def main() -> None:
@@ -126,8 +123,11 @@ def main() -> None:
         drawn = [Bar(part, one, one, one, colour) for part, one in found.items() if one > 0.001]
         page.plot(name.replace(":", "-"), bars(f"{name}: seconds of each part", "seconds", drawn))
         if not arguments.only:
-            page.add(told(found[JUDGING] / total, total))
-        page.add(f"By function, on every {TENTH}th case, the adapter's waiting included:")
+            ask(page, name, found[JUDGING] / total, total)
+    page.show_goals()
+    page.why()
+    for name in arguments.names:
+        page.add(f"{name}, by function, on every {TENTH}th case, the adapter's waiting included:")
         page.table(["function", "of its time"], by_function(name, tuple(arguments.only)))
     page.write(arguments.out)
 

@@ -21,7 +21,7 @@ from isoref.fast import surface_intersection
 from isoref.fast.marching_faces import intersection_curves, marching_faces
 from isoref.field import Field
 from isoref.plane_waves import random_waves
-from pages import GOAL_HEADS, Page, goal, over, profile, table_of
+from pages import Page, over, profile, table_of
 
 Run = Callable[[], object]
 
@@ -71,8 +71,8 @@ def reasons(first: Field, second: Field) -> list[str]:
     ]
 
 
-def table(side: int, rounds: int, asked: list[list[str]]) -> str:
-    """The Markdown table for one size, and its profile; `asked` grows by what was asked."""
+def table(side: int, rounds: int, page: Page) -> tuple[str, list[str]]:
+    """The Markdown table for one size, and its profile; the page notes what was asked."""
     psi = random_waves((side, side, side), WAVE_NUMBER)
     first, second = real_and_imaginary(psi, 1 / (side - 1))
     first, second = (Field.of(np.ascontiguousarray(f.values), f.spacing) for f in (first, second))
@@ -88,19 +88,17 @@ def table(side: int, rounds: int, asked: list[list[str]]) -> str:
     runs = contestants(first, second)
     timings = interleave(runs, rounds)
     faces = "marching faces, points"
-    if VTK in runs:
-        found = over(timings, VTK, faces)
-        asked.append(goal(f"{VTK}, over {faces}, {side}^3", found, GOAL, most=False))
+    by_vtk = over(timings, VTK, faces) if VTK in runs else None
+    what = f"{VTK}, over {faces}, {side}^3"
+    page.ask("faces", what, by_vtk, GOAL, most=False, absent="VTK is not here")
     found = over(timings, "joining by identity", faces)
-    asked.append(goal(f"joining over {faces}, {side}^3", found, JOINING, most=True))
+    page.ask("joining", f"joining over {faces}, {side}^3", found, JOINING, most=True)
     for timing in timings:
         memory = peak_memory(runs[timing.name]) / 2**20
         lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
     whole = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    table_rows, told = reasons(first, second)
-    lines += ["", table_rows, "", told]
     lines.append(f"\nPeak of the whole process so far, fields and all: {whole:.2f} GiB.")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines), [f"### {side}^3", *reasons(first, second)]
 
 
 def main() -> None:
@@ -115,10 +113,13 @@ def main() -> None:
         f"random waves, wave number {WAVE_NUMBER:g}; medians of "
         f"{arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
     )
-    asked: list[list[str]] = []
+    told: list[str] = []
     for side in arguments.sides:
-        page.add(table(side, arguments.rounds, asked))
-    page.add("## What was asked, and what was found", table_of(GOAL_HEADS, asked))
+        shown, why = table(side, arguments.rounds, page)
+        page.add(shown)
+        told += why
+    page.show_goals()
+    page.why(*told)
     page.write(arguments.out)
 
 

@@ -144,6 +144,10 @@ def main() -> None:
         f"whole in memory. Without the reading, extraction takes {passes:.1f} times one threshold "
         f"pass. 2 V - F is {identity}, and 4 for a closed surface without handles in one piece."
     )
+    peak = (surface.gigabytes,) * 3
+    what = f"peak of the process that extracts from {arguments.side}^3 bytes, GB"
+    page.ask("past-memory", what, peak, MOST, most=True)
+    page.show_goals()
     page.write(arguments.out)
     if identity != 4 or surface.gigabytes > MOST:
         raise SystemExit(1)

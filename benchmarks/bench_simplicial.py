@@ -1,6 +1,8 @@
 """Simplicial isosurfaces: cost in four and five dimensions, growth with N, peers in space.
 
-Times are CPU seconds of one thread; memory is the highest rise of the process. Writes
+Times are CPU seconds of one thread; memory is the highest rise of the process. Beside them stand
+the first version of the project, where its history is here, and GUDHI's manifold tracing, where its
+program is built (``python benchmarks/outside.py gudhi``). Writes
 ``reports/benchmarks/simplicial.md``.
 """
 
@@ -8,18 +10,25 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import subprocess
+import sys
+import tempfile
 import time
-from collections.abc import Callable, Sequence
-from math import pi
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from isograde.stopwatch import Machine, interleave, peak_memory
+from isograde.stopwatch import Cost, in_turn, interleave, peak_memory, timed
 from isoref.dyadic import Samples, SlopeBound
 from isoref.fast.dyadic import dyadic_tree, extract_dyadic
 from isoref.fast.simplicial import extract
 from isoref.field import Field, Floats, Integers
 from isoref.mesh import Mesh
+from outside import ROOT, AbsentError, Outside, gudhi
+from pages import Page, over, profile, table_of
+from spindle import spindle_5d
 
 Make = Callable[[], Mesh]
 
@@ -40,14 +49,6 @@ def two_spheres(x: Floats) -> Floats:
     return np.asarray(np.stack(shifted, axis=1))
 
 
-def spindle(x: Floats) -> Floats:
-    """Min, section 7.3: a surface of revolution with its two angles, in R^5."""
-    theta, polar = x[:, 3], x[:, 4]
-    across = 2 * np.cos(polar) ** 2 * np.sin(polar)
-    surface = [across * np.cos(theta), across * np.sin(theta), 2 * np.cos(polar) ** 3]
-    return np.asarray(x[:, :3] - np.stack(surface, axis=1))
-
-
 def spheres_4d(N: int) -> tuple[Samples, SlopeBound]:
     """The two spheres on N cells a side, with slopes that bound them box by box."""
     h, centres = 2.6 / N, np.array([[0, 0, 0, 0.5], [0, 0, 0, -0.5]])
@@ -59,14 +60,6 @@ def spheres_4d(N: int) -> tuple[Samples, SlopeBound]:
         return steepest
 
     return samples, SlopeBound(slopes)
-
-
-def spindle_5d(N: int) -> tuple[Samples, SlopeBound]:
-    """The lifted spindle on N cells a side, with slopes that bound it."""
-    h = np.array([4 / N, 4 / N, 4 / N, 2 * pi / N, pi / N])
-    samples = Samples.of_function(spindle, (N + 1,) * 5, list(h), [-2, -2, -2, 0, 0])
-    slopes = np.array([[1, 0, 0, 0.77, 2], [0, 1, 0, 0.77, 2], [0, 0, 1, 0, 2.31]])
-    return samples, SlopeBound(slopes * h)
 
 
 def dense(samples: Samples) -> Field:
@@ -181,29 +174,146 @@ def peers(N: int, rounds: int) -> list[str]:
     return lines
 
 
+#: The last commit of the first version: what "today" was when half its time was asked for.
+FIRST = "07493b2"
+HALF, EVEN = 0.5, 1.0
+"""What our time over the first version's shall be at most, and GUDHI's over ours at least."""
+
+
+@contextmanager
+def first_version() -> Iterator[Path]:
+    """A folder with the first version's `isoref`; raises `AbsentError` without the history."""
+    with tempfile.TemporaryDirectory() as folder:
+        packed = subprocess.run(
+            ["git", "archive", FIRST, "reference/isoref"],
+            cwd=ROOT,
+            capture_output=True,
+            check=False,
+        )
+        if packed.returncode:
+            raise AbsentError(f"the history of this copy has no {FIRST}")
+        subprocess.run(["tar", "x", "-C", folder], input=packed.stdout, check=True)
+        yield Path(folder) / "reference"
+
+
+SPINDLE = Path(__file__).with_name("spindle.py")
+
+
+def served(reference: Path, N: int) -> Outside:
+    """A process that cuts the spindle by the `isoref` of this folder."""
+    return Outside(sys.executable, SPINDLE, reference, str(N))
+
+
+def _asked(other: Outside, line: str = "call") -> Callable[[], Cost]:
+    """What a call in another process costs."""
+
+    def run() -> Cost:
+        seconds, processor, *_ = other.ask(line).split()
+        return Cost(float(seconds), float(processor))
+
+    return run
+
+
+def against_first(page: Page, N: int, rounds: int) -> None:
+    """The spindle beside the first version of the project."""
+    what = f"5-D, m = 3, N = {N}, tree and mesh: time over the first version's"
+    page.add(f"## Beside the first version of this project ({FIRST}): 5-D, m = 3, N = {N}")
+    try:
+        with ExitStack() as stack:
+            folder = stack.enter_context(first_version())
+            ours = stack.enter_context(served(ROOT / "reference", N))
+            first = stack.enter_context(served(folder, N))
+            timings = in_turn({"ours": _asked(ours), "first": _asked(first)}, rounds)
+    except AbsentError as error:
+        page.add(str(error))
+        page.ask("five", what, None, HALF, most=True, absent=str(error))
+        return
+    page.table(["", "seconds (least to most)"], [[one.name, one.shown(2)] for one in timings])
+    page.ask("five", what, over(timings, "ours", "first"), HALF, most=True)
+
+
+def largest(N: int) -> tuple[float, float, int]:
+    """Seconds of the processor, gigabytes at the highest, and simplices, of one run on N cells."""
+    with served(ROOT / "reference", N) as ours:
+        _, seconds, count, peak = ours.ask("call").split()
+    return float(seconds), float(peak) / 1e9, int(count)
+
+
+def sphere(dimension: int, N: int) -> Mesh:
+    """The unit sphere on N cells a side, sampled and cut."""
+    axes = np.meshgrid(*[np.linspace(-1.3, 1.3, N + 1)] * dimension, indexing="ij", sparse=True)
+    values = np.asarray(1 - sum(x**2 for x in axes))
+    return extract(Field.of(values[None], 2.6 / N, dimension=dimension))
+
+
+def traced(page: Page, dimension: int, N: int, rounds: int) -> list[str]:
+    """A row of a table: GUDHI's tracing of the same sphere beside ours."""
+    what = f"GUDHI's tracing over ours, a sphere in {dimension} dimensions, N = {N}"
+    try:
+        with gudhi(dimension, N, 1.0, 2.6) as other:
+            ours = partial(sphere, dimension, N)
+            vertices = int(other.ask("call").split()[2])
+            assert vertices == len(ours().vertices), "not the same triangulation"
+            costs = {"ours": timed(ours), "tracing": _asked(other), "cells": _asked(other, "cells")}
+            timings = in_turn(costs, rounds)
+    except AbsentError as error:
+        page.ask("tracing", what, None, EVEN, most=False, absent=str(error))
+        return [f"{dimension}", f"{N}", str(error), "", "", ""]
+    found = [over(timings, one, "ours") for one in ("tracing", "cells")]
+    page.ask("tracing", what, found[0], EVEN, most=False)
+    ratios = ["{:.1f} ({:.1f} to {:.1f})".format(*one) for one in found]
+    return [f"{dimension}", f"{N}", f"{vertices:,}", timings[0].shown(3), *ratios]
+
+
+TRACED = """\
+GUDHI's Python package has no manifold tracing (looked for in its wheel, 3.13); its headers in C++
+have, and are a package of Debian's (libgudhi-dev, 3.7). On Kuhn's triangulation, which GUDHI calls
+Freudenthal's, it finds as many vertices as ours. It follows the sphere from one point and keeps
+what it met in a hash table; it evaluates the sphere's function where it needs it, ours at every
+sample, which is in our time. *Tracing* finds vertices alone; *with cells* makes the complex too, as
+ours does."""
+REASON = """\
+The largest of these takes {} of the time, so were it free, the rest would still take {:.2f} of it
+where {:g} was asked. The time is spread over many passes: the tree tests boxes level by level, the
+section of a block of simplices sorts the keys of its edges so that each vertex is had once, and
+joins the blocks. Each is a sort or a pass over all boxes or all edges. A look-up of a cell's
+section by the signs of all its 32 corners would save the passes over its 120 simplices; for three
+fields those are 96 signs, and the table would have 2^96 entries."""
+
+
 def main() -> None:
     """The report, in reports/benchmarks or in --out."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     root = Path(__file__).parents[1]
-    parser.add_argument("--out", type=Path, default=root / "reports" / "benchmarks")
+    out = root / "reports" / "benchmarks" / "simplicial.md"
+    parser.add_argument("--out", type=Path, default=out)
     parser.add_argument("--small", action="store_true", help="lower resolutions only")
     options = parser.parse_args()
-    machine = Machine()
-    parts = [
-        "# Simplicial isosurfaces",
-        "",
-        (__doc__ or "").split("\n\n")[1].split(" Writes")[0],
-        "",
-    ]
-    parts += ["## Cost by size", "", *scale(options.small), ""]
-    parts += ["## Growth of the tree: exponents of N, n - m = 2", "", *growth(options.small), ""]
-    parts += [*GROWTH.splitlines(), ""]
-    parts += ["## Peers in space", "", *peers(64 if options.small else 128, 5), ""]
-    parts += [*PEERS.splitlines(), ""]
-    parts[4:4] = [f"{machine.state()}.", ""]
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "simplicial.md").write_text("\n".join(parts), encoding="utf-8")
-    print(f"wrote {options.out / 'simplicial.md'}")
+    page = Page("Simplicial isosurfaces", (__doc__ or "").split("\n\n")[1].split(" Writes")[0])
+    page.add("## Cost by size", "\n".join(scale(options.small)))
+    N = 32 if options.small else 128
+    seconds, gigabytes, count = largest(N)
+    page.add(
+        f"5-D, m = 3, N = {N}, tree and mesh, one run in a process of its own: {seconds:.1f} s of "
+        f"the processor, {gigabytes:.2f} GB at its highest, {count:,} triangles."
+    )
+    page.add("## Growth of the tree: exponents of N, n - m = 2", "\n".join(growth(options.small)))
+    page.add(GROWTH)
+    page.add("## Peers in space", "\n".join(peers(64 if options.small else 128, 5)), PEERS)
+    against_first(page, 16 if options.small else 64, 3)
+    page.add("## GUDHI's manifold tracing, the same sphere")
+    sizes = ((3, 16),) if options.small else ((3, 64), (4, 12))
+    rows = [traced(page, dimension, cells, 3) for dimension, cells in sizes]
+    heads = ["dimension", "N", "vertices", "ours, s (least to most)"]
+    page.table([*heads, "tracing over ours", "with cells over ours"], rows)
+    page.add(TRACED)
+    page.show_goals()
+    made = spindle_5d(16 if options.small else 32)
+    rows = profile(lambda: extract_dyadic(*made), "isoref", 12)
+    share = float(rows[0][1].rstrip("%")) / 100
+    reason = REASON.format(rows[0][1], 1 - share, HALF)
+    page.why(table_of(["5-D, m = 3, tree and mesh: function", "of its time"], rows), reason)
+    page.write(options.out)
 
 
 if __name__ == "__main__":

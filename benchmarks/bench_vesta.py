@@ -12,8 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from bench_extraction import noise, sphere, vtk_peers
-from isograde.cases.volumes import REGISTRY, find, read
+from bench_extraction import bunny, here, noise, sphere, vtk_peers
 from isograde.stopwatch import interleave, peak_memory
 from isoref.diconex import diconex as diconex_plainly
 from isoref.fast.diconex import diconex
@@ -21,18 +20,10 @@ from isoref.fast.vesta import extract
 from isoref.field import Array, Field
 from isoref.methods import METHODS
 from isoref.vesta import extract as extract_plainly
-from pages import GOAL_HEADS, Page, goal, over, profile, table_of
+from pages import Page, over, profile, table_of
 
 Run = Callable[[], object]
 PAIRS = ("disconnect-L", "mixed-L", "mixed-H")
-BUNNY = REGISTRY["bunny"]
-
-
-def bunny() -> Array:
-    """The samples of the bunny's scan."""
-    place = find(BUNNY)
-    assert place is not None, "main offers the bunny only where it is"
-    return read(place, volume=BUNNY).values
 
 
 FIELDS: dict[str, tuple[Callable[[], Array], float]] = {
@@ -87,8 +78,8 @@ def reasons(values: Array, isovalue: float) -> list[str]:
     ]
 
 
-def table(title: str, runs: dict[str, Run], rounds: int, asked: list[list[str]]) -> str:
-    """Seconds, ratios and memory of these calls; `asked` grows by what was asked of them."""
+def table(title: str, runs: dict[str, Run], rounds: int, page: Page | None = None) -> str:
+    """Seconds, ratios and memory of these calls; the page notes what was asked of them."""
     lines = [
         f"## {title}",
         "",
@@ -97,9 +88,9 @@ def table(title: str, runs: dict[str, Run], rounds: int, asked: list[list[str]])
     ]
     timings = interleave(runs, rounds)
     for pair in PAIRS:
-        if f"original, {pair}" in runs:
+        if page is not None:
             found = over(timings, f"original, {pair}", f"marching, {pair}")
-            asked.append(goal(f"original over marching, {pair}, {title}", found, GOAL, most=True))
+            page.ask("vesta", f"original over marching, {pair}, {title}", found, GOAL, most=True)
     for timing in timings:
         memory = peak_memory(runs[timing.name]) / 2**20
         lines.append(f"| {timing.name} | {timing.shown()} | {timing.ratio:.2f} | {memory:.0f} |")
@@ -118,7 +109,6 @@ def twins(rounds: int) -> list[str]:
                 "plain loop": lambda: extract_plainly(volume, 0.0),
             },
             rounds,
-            [],
         ),
         table(
             "DICONEX beside its plain twin: noise 64^2, closed border",
@@ -127,14 +117,13 @@ def twins(rounds: int) -> list[str]:
                 "plain loop": lambda: diconex_plainly(image, 0.0),
             },
             rounds,
-            [],
         ),
     ]
 
 
 def main() -> None:
     """Run the tables and write them down."""
-    offered = [name for name in FIELDS if not name.startswith("bunny") or find(BUNNY) is not None]
+    offered = [name for name in FIELDS if here(name)]
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fields", nargs="*", choices=list(FIELDS), default=offered)
     parser.add_argument("--rounds", type=int, default=3)
@@ -144,15 +133,18 @@ def main() -> None:
         "VESTA, one thread",
         f"medians of {arguments.rounds} rounds, contestants in turn. Only the ratios carry over.",
     )
-    asked: list[list[str]] = []
     profiles = []
     for name in arguments.fields:
         build, isovalue = FIELDS[name]
         values = build()
-        page.add(table(name, contestants(values, isovalue), arguments.rounds, asked))
+        page.add(table(name, contestants(values, isovalue), arguments.rounds, page))
         profiles += [f"### {name}", *reasons(values, isovalue)]
-    page.add("## What was asked, and what was found", table_of(list(GOAL_HEADS), asked))
-    page.add("## Where the original's time goes", *profiles)
+    for name in FIELDS:
+        if not here(name):
+            what, absent = f"original over marching, {name}", "the scan is not here: ISOGRADE_DATA"
+            page.ask("vesta", what, None, GOAL, most=True, absent=absent)
+    page.show_goals()
+    page.why(*profiles)
     page.add(*twins(arguments.rounds))
     page.write(arguments.out)
 

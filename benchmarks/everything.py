@@ -2,7 +2,8 @@
 
 ``python benchmarks/everything.py [NAME ..]``; `make benchmarks` runs it. Each program writes its
 own page; `reports/benchmarks/machine.md` has how long each took and what others used of the
-processors meanwhile. All of them are to take less than `MOST` minutes on a quiet machine.
+processors meanwhile, and `goals.md` what was asked of them beside what they found. All of them are
+to take less than `MOST` minutes on a quiet machine.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import asked
 from isograde.stopwatch import Machine
 from pages import Page
 
@@ -62,6 +64,7 @@ def main() -> int:
         + (f"during {loud} of {len(rows)} the machine was not quiet." if loud else "always quiet.")
     )
     page.write(arguments.out)
+    print(asked.write(arguments.out.parent))
     if failed:
         print(f"ended badly: {', '.join(failed)}", file=sys.stderr)
     return bool(failed)

@@ -1,14 +1,60 @@
-"""A page of a benchmark: its tables as Markdown, its plots as SVG beside it, and the machine."""
+"""A page of a benchmark: its tables as Markdown, its plots as SVG beside it, and the machine.
+
+What was asked of what it measured is written a second time, as JSON in `goals` beside the pages, so
+that `asked.py` can gather the goals of all of them.
+"""
 
 from __future__ import annotations
 
 import cProfile
+import json
 import pstats
 from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from isograde.stopwatch import Machine, Timing
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What was asked of a number, and what was found.
+
+    row : the row of the table of goals (`asked.ROWS`) that it belongs to
+    what : the number, in words
+    bound, most : the number shall be at most the bound; else at least
+    found : the median and the quartiles; None where it was not measured
+    absent : why it was not
+    why : the heading of the page under which it says where the time goes
+    """
+
+    row: str
+    what: str
+    bound: float
+    most: bool
+    found: tuple[float, float, float] | None
+    absent: str = ""
+    why: str = ""
+
+    @property
+    def met(self) -> bool | None:
+        """The median is on the right side of the bound; None where it is not known."""
+        if self.found is None:
+            return None
+        return self.found[0] <= self.bound if self.most else self.found[0] >= self.bound
+
+    def cells(self) -> list[str]:
+        """The row of a table under `GOAL_HEADS`."""
+        asked = f"at {'most' if self.most else 'least'} {self.bound:g}"
+        if self.found is None:
+            return [self.what, asked, self.absent, "not measured"]
+        shown = "{:.2f} ({:.2f} to {:.2f})".format(*self.found)
+        return [self.what, asked, shown, "met" if self.met else "not met"]
+
+
+GOAL_HEADS = ("", "goal", "found (quartiles)", "")
+WHY = "Where the time goes, and why it is not less"
 
 
 class Page:
@@ -22,6 +68,7 @@ class Page:
         self.title, self.told, self.versions = title, told, versions
         self.machine = Machine()
         self.parts: list[str] = []
+        self.goals: list[Goal] = []
         self.plots: dict[str, str] = {}
 
     def add(self, *parts: str) -> None:
@@ -32,6 +79,28 @@ class Page:
     def table(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         """A table comes next, its first column to the left."""
         self.add(table_of(heads, rows))
+
+    def ask(
+        self,
+        row: str,
+        what: str,
+        found: tuple[float, float, float] | None,
+        bound: float,
+        *,
+        most: bool,
+        absent: str = "",
+    ) -> None:
+        """A goal is noted, for `show_goals`; see `Goal`."""
+        self.goals.append(Goal(row, what, float(bound), most, found, absent, WHY))
+
+    def show_goals(self) -> None:
+        """The goals noted until now come next, in a table."""
+        self.add("## What was asked, and what was found")
+        self.table(GOAL_HEADS, [one.cells() for one in self.goals])
+
+    def why(self, *parts: str) -> None:
+        """What follows says where the time goes, for the goals that are not met."""
+        self.add(f"## {WHY}", *parts)
 
     def plot(self, name: str, svg: str) -> None:
         """A plot comes next, where there is one; it is written beside the page."""
@@ -52,6 +121,15 @@ class Page:
         write_whole(out, "\n\n".join([*said, *parts]) + "\n")
         for name, svg in self.plots.items():
             write_whole(out.with_name(f"{out.stem}-{name}.svg"), svg)
+        if self.goals:
+            told = {
+                "page": out.name,
+                "state": state,
+                "quiet": self.machine.quiet,
+                "goals": [asdict(one) for one in self.goals],
+            }
+            text = json.dumps(told, indent=1, ensure_ascii=False) + "\n"
+            write_whole(out.parent / "goals" / f"{out.stem}.json", text)
 
 
 def table_of(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -83,20 +161,6 @@ def profile(run: Callable[[], object], package: str, most: int = 8) -> list[list
     ]
     rest = sum(own.values()) - sum(own[name] for name in first)
     return [*rows, [f"{len(own) - len(first)} others", f"{rest / whole:.0%}"]]
-
-
-def goal(what: str, found: tuple[float, float, float], bound: float, *, most: bool) -> list[str]:
-    """A row of a table: what was asked of a ratio, what was found, whether it is met.
-
-    found : the median and the quartiles
-    most : the ratio shall be at most the bound; else at least
-    """
-    met = found[0] <= bound if most else found[0] >= bound
-    shown = "{:.2f} ({:.2f} to {:.2f})".format(*found)
-    return [what, f"at {'most' if most else 'least'} {bound:g}", shown, "met" if met else "not met"]
-
-
-GOAL_HEADS = ("", "goal", "found (quartiles)", "")
 
 
 def over(timings: Sequence[Timing], one: str, other: str) -> tuple[float, float, float]:

@@ -7,11 +7,15 @@ import bench_past_memory
 import everything
 import numpy as np
 import pytest
+from asked import ROWS, read
+from asked import page as gathered
 from bench_past_memory import Ball
+from floor import floor, given_order
 from isograde.report.plot import Series, curves
 from isograde.stopwatch import Machine
-from isoref.methods import extract
-from pages import Page, goal, profile
+from isoref.field import Field
+from isoref.methods import METHODS, extract
+from pages import Goal, Page, profile
 
 
 @pytest.mark.parametrize("others", [0.0, 1.7])
@@ -71,8 +75,53 @@ def test_a_profile_gives_a_function_what_it_calls_outside_the_package() -> None:
 
 
 def test_a_goal_is_met_on_the_right_side_of_its_bound() -> None:
-    assert goal("a", (1.5, 1.4, 1.6), 1.5, most=True) == [
+    """What was not measured is neither met nor not."""
+    assert Goal("vesta", "a", 1.5, True, (1.5, 1.4, 1.6)).cells() == [
         "a", "at most 1.5", "1.50 (1.40 to 1.60)", "met",
     ]  # fmt: skip
-    assert goal("a", (1.4, 1.4, 1.6), 1.5, most=False)[-1] == "not met"
-    assert goal("a", (1.6, 1.4, 1.6), 1.5, most=True)[-1] == "not met"
+    assert not Goal("vesta", "a", 1.5, False, (1.4, 1.4, 1.6)).met
+    assert not Goal("vesta", "a", 1.5, True, (1.6, 1.4, 1.6)).met
+    unknown = Goal("vesta", "a", 1.5, True, None, "no such library")
+    assert unknown.met is None
+    assert unknown.cells()[2:] == ["no such library", "not measured"]
+
+
+def test_the_goals_of_all_pages_are_gathered_with_links_to_what_is_not_met(tmp_path: Path) -> None:
+    """Each with its page; a row that nothing was measured for is said to be that."""
+    page = Page("A title", "how")
+    page.ask("vesta", "slow", (4.0, 3.9, 4.1), 3, most=True)
+    page.ask("vesta", "fast", (2.0, 1.9, 2.1), 3, most=True)
+    page.ask("joining", "absent", None, 1, most=True, absent="no such library")
+    page.show_goals()
+    page.why("because")
+    page.write(tmp_path / "page.md")
+    text = gathered(read(tmp_path))
+    assert "| original VESTA over marching | 1 of 2 met" in text
+    assert "| joining of curves over Marching Faces | 0 of 1 met, 1 not measured" in text
+    assert text.count("| not measured |  |") == len(ROWS) - 2
+    where = "(page.md#where-the-time-goes-and-why-it-is-not-less)"
+    assert f"| slow | at most 3 | 4.00 (3.90 to 4.10) | not met | [page]{where} |" in text
+    assert "| fast | at most 3 | 2.00 (1.90 to 2.10) | met |  |" in text
+    assert "## Where the time goes, and why it is not less" in (tmp_path / "page.md").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_a_goal_that_nobody_asked_for_is_refused() -> None:
+    with pytest.raises(ValueError, match="nobody asked for: speed of light"):
+        gathered([("page.md", True, Goal("speed of light", "a", 1.0, True, (1.0, 1.0, 1.0)))])
+
+
+def test_the_least_passes_make_the_mesh_itself() -> None:
+    """Crossings where they are, and the triangles between them: nothing is left out."""
+    values = np.random.default_rng(3).normal(size=(9, 10, 11)).astype("f4")
+    mesh = METHODS["asymptotic-decider"](Field.of(values), 0.1, provenance=True)
+    assert mesh.provenance is not None
+    vertices, triangles = floor(values, 0.1, mesh)()
+    _, order = given_order(mesh, values.shape)
+    crossings = mesh.provenance.ends[order, 1] >= 0
+    assert 0 < np.count_nonzero(crossings) == len(order)
+    np.testing.assert_allclose(vertices, mesh.vertices[order], rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(order[triangles].reshape(-1, 3), mesh.simplices)
+    single = floor(values, 0.1, mesh, "single")()
+    assert [array.itemsize for array in single] == [4, 4]

@@ -15,6 +15,7 @@ from isograde.stopwatch import (
     Timing,
     in_turn,
     interleave,
+    orders,
     peak_memory,
 )
 
@@ -27,6 +28,15 @@ def test_contestants_take_turns() -> None:
     assert [t.name for t in timings] == ["a", "b"]
     assert timings[0].ratio == 1.0
     assert all(len(timing.seconds) == 3 for timing in timings)
+
+
+def test_who_follows_whom_changes_from_round_to_round() -> None:
+    """With a fixed neighbour, one contestant would always pay for what that one gave back."""
+    names = [f"c{i}" for i in range(18)]
+    rounds = orders(names, 5)
+    assert all(sorted(order) == sorted(names) for order in rounds)
+    before = [order[order.index("c7") - 1] for order in rounds if order[0] != "c7"]
+    assert len(before) == len(set(before)) == 5
 
 
 def test_a_slower_contestant_has_a_ratio_above_one() -> None:

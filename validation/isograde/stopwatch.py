@@ -168,7 +168,7 @@ def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5)
     """One `Timing` a contestant, run in this process, in turn, after one warm-up each."""
     for run in contestants.values():
         run()
-    return in_turn({name: _timed(run) for name, run in contestants.items()}, rounds)
+    return in_turn({name: timed(run) for name, run in contestants.items()}, rounds)
 
 
 def in_turn(
@@ -180,24 +180,40 @@ def in_turn(
 ) -> list[Timing]:
     """One `Timing` a contestant of calls that tell what they cost, asked in turn `rounds` times.
 
-    Each round begins with the next contestant: who follows one that gives much memory back pays for
-    what the system does about it, and that should not always be the same.
+    Each round begins with the next contestant and goes on by another step (`orders`): who follows
+    one that gives much memory back pays for what the system does about it, and that should not
+    always be the same.
 
     seconds : no further round is begun after so many, but `least` rounds are made
     """
     if not contestants or rounds < 1:
         raise ValueError("name at least one contestant and one round")
     costs: dict[str, list[Cost]] = {name: [] for name in contestants}
-    names, begun = list(contestants), time.monotonic()
-    for turn in range(rounds):
+    begun = time.monotonic()
+    for turn, order in enumerate(orders(list(contestants), rounds)):
         if turn >= least and time.monotonic() - begun > seconds:
             break
-        first = turn % len(names)
-        for name in names[first:] + names[:first]:
+        for name in order:
             gc.collect()
             costs[name].append(contestants[name]())
-    median = statistics.median(cost.seconds for cost in costs[names[0]])
+    median = statistics.median(cost.seconds for cost in next(iter(costs.values())))
     return [_timing(name, own, median) for name, own in costs.items()]
+
+
+def orders(names: Sequence[str], rounds: int) -> list[list[str]]:
+    """The order of each round: it begins with the next name, and who follows whom changes, too.
+
+    A round takes every s-th name, round and round, where s shares no factor with their number.
+
+    >>> ["".join(order) for order in orders("abcde", 4)]
+    ['abcde', 'bdace', 'cadbe', 'dcbae']
+    """
+    count = len(names)
+    steps = [step for step in range(1, max(count, 2)) if math.gcd(step, count) == 1]
+    return [
+        [names[(turn + steps[turn % len(steps)] * i) % count] for i in range(count)]
+        for turn in range(rounds)
+    ]
 
 
 def _timing(name: str, costs: Sequence[Cost], first: float) -> Timing:
@@ -207,7 +223,7 @@ def _timing(name: str, costs: Sequence[Cost], first: float) -> Timing:
     return Timing(name, tuple(cost.seconds for cost in costs), first, known)
 
 
-def _timed(run: Callable[[], object]) -> Callable[[], Cost]:
+def timed(run: Callable[[], object]) -> Callable[[], Cost]:
     """A call that is run in this process, and tells what it cost."""
 
     def asked() -> Cost:

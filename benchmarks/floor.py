@@ -1,0 +1,123 @@
+"""The least that a vectorised extraction does, timed: what no way of writing it in NumPy is below.
+
+All that could be known beforehand is given for nothing: which edges are crossed and where these
+lie, which tile each cell has, and where in a table of edges each corner of each triangle is looked
+up. What is left are the passes without which there is no mesh of these arrays:
+
+    each sample      compared with the isovalue, once
+    each crossing    its number written into the table of edges; both samples looked up, made
+                     doubles, the isovalue taken away, subtracted, divided; the place along the edge
+                     added; three coordinates written
+    each corner      its edge had from its cell's and its tile's, its vertex looked up and written
+
+They go over arrays in portions that stay in the processor's cache. A compiled loop needs none of
+them: it has the samples of a cell, its crossings and its corners in registers. So a peer's time
+over this floor is the most that a ratio to *any* such program in NumPy can be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from isoref.field import Array, Integers
+from isoref.mesh import Mesh, Precision, number_types
+
+# So many crossings at once; so many entries in a table of edges, which is used again and again.
+PORTION, TABLE = 1 << 15, 3 << 20
+
+
+def floor(
+    values: Array, isovalue: float, mesh: Mesh, precision: Precision = "double"
+) -> Callable[[], tuple[Array, Array]]:
+    """The least passes towards this mesh, which has its provenance, as a call that gives its arrays.
+
+    Vertices come axis by axis within each portion (`given_order`), and triangles name them so.
+    Points inside cells are placed as if they were crossings: those are not less work.
+
+    values : (N1, N2, N3), in C order
+    """
+    assert mesh.provenance is not None
+    flat = values.reshape(-1)
+    axis, order = given_order(mesh, values.shape)
+    low = mesh.provenance.ends[order, 0]
+    steps = np.array([values.shape[1] * values.shape[2], values.shape[2], 1])
+    high = np.minimum(low + steps[axis[order]], flat.size - 1)
+    places = (3 * low + axis[order]) % TABLE
+    index = [one.astype(float) for one in np.unravel_index(low, values.shape)]
+    portions = [
+        (at, (at + np.searchsorted(axis[order[at : at + PORTION]], [0, 1, 2, 3])).tolist())
+        for at in range(0, len(low), PORTION)
+    ]
+    place = np.empty(len(order), np.int64)
+    place[order] = places
+    corners = place.take(mesh.simplices.reshape(-1))
+    of_tile = corners % 64
+    of_cell = corners - of_tile
+    real, whole = number_types(precision)
+    numbers = np.zeros(min(3 * values.size, TABLE), np.int32)
+    compared = np.empty(PORTION * 4, bool)
+
+    def run() -> tuple[Array, Array]:
+        # Compare the samples.
+        for at in range(0, flat.size, compared.size):
+            samples = flat[at : at + compared.size]
+            np.greater_equal(samples, isovalue, out=compared[: len(samples)])
+
+        # Number and place the crossings.
+        vertices = np.empty((len(low), 3), real)
+        for at, ends in portions:
+            some = slice(at, ends[-1])
+            numbers[places[some]] = np.arange(at, ends[-1], dtype=np.int32)
+            below = flat.take(low[some]).astype(np.float64)
+            above = flat.take(high[some]).astype(np.float64)
+            below -= isovalue
+            above -= isovalue
+            above -= below
+            with np.errstate(divide="ignore", invalid="ignore"):  # inside a cell
+                np.divide(below, above, out=above)
+            for along in range(3):
+                vertices[some, along] = index[along][some]
+                own = slice(ends[along], ends[along + 1])
+                vertices[own, along] -= above[own.start - at : own.stop - at]
+
+        # Look the corners of the triangles up.
+        triangles = np.empty(len(corners), whole)
+        edge = np.empty(PORTION, np.int64)
+        for at in range(0, len(corners), PORTION):
+            some = slice(at, at + PORTION)
+            found = edge[: len(of_cell[some])]
+            np.add(of_cell[some], of_tile[some], out=found)
+            triangles[some] = numbers.take(found, mode="clip")
+        return vertices, triangles
+
+    return run
+
+
+def given_order(mesh: Mesh, shape: tuple[int, ...]) -> tuple[Integers, Integers]:
+    """(V,) the axis of each vertex's edge, and (V,) vertices axis by axis within each portion."""
+    assert mesh.provenance is not None
+    low, high = mesh.provenance.ends.T
+    apart = np.where(high < 0, 1, high - low)
+    axis = np.where(apart == 1, 2, np.where(apart == shape[2], 1, 0))
+    return axis, np.lexsort((axis, np.arange(len(axis)) // PORTION))
+
+
+def leaves(peer: float, goal: float, least: float, own: float) -> str:
+    """What the floor says of a goal that is not met; all times in the same unit.
+
+    >>> leaves(peer=2.0, goal=2.0, least=1.2, own=2.0)
+    'cannot be met in NumPy: 1.20 of the 1.00 that it allows goes to the floor alone'
+    >>> leaves(peer=2.0, goal=2.0, least=0.5, own=1.5)
+    'the floor is 0.50 of what it allows; ours takes 3.0 times the floor, it allows 2.0'
+    """
+    allowed = peer / goal
+    if least >= allowed:
+        return (
+            f"cannot be met in NumPy: {least / allowed:.2f} of the 1.00 that it allows goes to the "
+            "floor alone"
+        )
+    return (
+        f"the floor is {least / allowed:.2f} of what it allows; ours takes {own / least:.1f} times "
+        f"the floor, it allows {allowed / least:.1f}"
+    )
