@@ -30,12 +30,13 @@ PORTION, TABLE = 1 << 15, 3 << 20
 def floor(
     values: Array, isovalue: float, mesh: Mesh, precision: Precision = "double"
 ) -> Callable[[], tuple[Array, Array]]:
-    """The least passes towards this mesh, which has its provenance, as a call that gives its arrays.
+    """The least passes towards this mesh, as a call that gives its arrays.
 
     Vertices come axis by axis within each portion (`given_order`), and triangles name them so.
     Points inside cells are placed as if they were crossings: those are not less work.
 
     values : (N1, N2, N3), in C order
+    mesh : with its provenance
     """
     assert mesh.provenance is not None
     flat = values.reshape(-1)
