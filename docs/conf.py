@@ -76,7 +76,8 @@ html_theme_options = {
 html_sidebars = {
     "index": [],
     "changelog": [],
-    "start": [],
+    "start/index": [],
+    "readme": [],
     "articles/**": ["chapters.html"],
     "tests/**": ["chapters.html"],
 }

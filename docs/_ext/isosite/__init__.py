@@ -16,6 +16,8 @@ module          what
 `notebooks`     lessons and programs as notebooks
 `commands`      commands of the site, run while it is built
 `tables`        cells with much text, for narrow pages
+`wheel`         the package, to download and install
+`works`         the works that are cited, each with its DOI; none without an address
 `links`         whether every link inside the built site leads somewhere
 `writing`       files made by a build, and removed when nothing makes them any more
 ==============  ====================================================================================
@@ -23,6 +25,7 @@ module          what
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +41,8 @@ from isosite import (
     reference,
     repository,
     tables,
+    wheel,
+    works,
 )
 from isosite.writing import Pages
 
@@ -49,20 +54,33 @@ def make_pages(app: Sphinx) -> None:
     articles.write(pages, pictures.draw_all(pages))
     reference.write(pages)
     differences.write(pages)
+    works.write(pages)
     pages.close()
 
 
 def beside(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
-    """Give articles the chapters of their package for the side."""
+    """Give articles the chapters of their package for the side; let long titles break."""
     if page.startswith(("articles/", "tests/")):
         context.update(articles.sidebar(page))
+    if "body" in context:
+        context["body"] = re.sub(r"<h1>.*?</h1>", broken, context["body"], count=1, flags=re.DOTALL)
+
+
+def broken(title: re.Match[str]) -> str:
+    """The title with places to break a long name: behind its dots and underscores."""
+    pieces = re.split(r"(<[^>]+>)", title[0])
+    return "".join(
+        piece if n % 2 else re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", piece)
+        for n, piece in enumerate(pieces)
+    )
 
 
 def finish(app: Sphinx, failure: Exception | None) -> None:
-    """Lay the grader's own pages and the notebooks beside the site's."""
+    """Lay the grader's own pages, the notebooks and the package beside the site's."""
     if failure is None and app.builder.format == "html":
         repository.serve(Path(app.outdir))
         notebooks.write(app)
+        wheel.write(app)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
@@ -70,6 +88,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     mathml.setup(app)
     commands.setup(app)
     notebooks.setup(app)
+    works.setup(app)
     app.connect("builder-inited", make_pages, priority=100)
     app.connect("doctree-read", tables.mark)
     app.connect("html-page-context", beside)

@@ -2,7 +2,7 @@
 
 Prose becomes Markdown, examples with ``>>>`` become code without their prompts, commands become
 cells that call a shell. The programs of the gallery are notebooks by sphinx-gallery's own hand.
-What a notebook needs is installed by its first cell, in JupyterLite too, where there is no shell.
+In JupyterLite, where there is no shell, the first cell installs what a notebook needs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from typing import Any
 from docutils import nodes
 from sphinx.application import Sphinx
 
-FOLDER = "_downloads/notebooks"
+DOWNLOADS = "_downloads"
+FOLDER = f"{DOWNLOADS}/notebooks"
 LESSON = re.compile(r"course/lesson_\d+")
 INSTALL = """\
 import sys
@@ -25,10 +26,8 @@ if sys.platform == "emscripten":  # JupyterLite
     %pip install -q numpy scipy matplotlib
     %pip install -q --no-deps isograde
 else:
-    try:
-        import isoref
-    except ImportError:
-        %pip install -q isograde matplotlib"""
+    # Where this fails, install the package; the page "Start" of the site says how.
+    import isoref"""
 
 
 def cell(kind: str, text: str, number: int) -> dict[str, Any]:

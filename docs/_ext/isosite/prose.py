@@ -153,42 +153,84 @@ def bibliography() -> list[dict[str, str]]:
     return papers
 
 
-def papers_of(text: str) -> list[dict[str, str]]:
+def plain(text: str) -> str:
+    """The text in small letters, with one space for all that is no letter or digit."""
+    return re.sub(r"\W+", " ", text).casefold()
+
+
+@cache
+def papers_of(text: str) -> tuple[dict[str, str], ...]:
     """The papers of the bibliography that the text names: by author, and by year or title."""
-    flat = re.sub(r"\W+", " ", text).casefold()
+    flat = plain(text)
+    mentioned = {(paper["author"], paper["year"]) for paper, _ in mentions(text)}
 
     def named(paper: dict[str, str]) -> bool:
-        author = re.search(rf"\b{re.escape(paper['author'].casefold())}\b", flat)
-        title = re.sub(r"\W+", " ", paper["title"]).casefold()
-        return bool(
-            author
-            and (title in flat or (paper.get("by_year", "yes") == "yes" and paper["year"] in flat))
+        if not re.search(rf"\b{re.escape(plain(paper['author']))}\b", flat):
+            return False
+        return (
+            paper.get("by_author") == "yes"
+            or plain(paper["title"]) in flat
+            or (paper.get("by_year", "yes") == "yes" and paper["year"] in flat)
+            or (paper["author"], paper["year"]) in mentioned
         )
 
-    return [paper for paper in bibliography() if named(paper)]
+    return tuple(paper for paper in bibliography() if named(paper))
+
+
+@cache
+def dated() -> tuple[re.Pattern[str], dict[tuple[str, str], dict[str, str]]]:
+    """What finds an author with a year a few words behind; authors and years to papers."""
+    papers = {(paper["author"], paper["year"]): paper for paper in bibliography()}
+    authors = "|".join(sorted({re.escape(author) for author, _ in papers}))
+    between = r"(?:\W+(?!(?:19|20)\d\d\b)\w+){0,5}?\W+"
+    # Looked ahead for, so that the second of two names is found too.
+    return re.compile(rf"\b(?=({authors})\b{between}((?:19|20)\d\d)\b)"), papers
+
+
+def mentions(text: str) -> list[tuple[dict[str, str], tuple[int, int]]]:
+    """Papers that the text names by author and year, with the place of the year; in its order."""
+    name, papers = dated()
+    found = {m.span(2): papers[m[1], m[2]] for m in name.finditer(text) if (m[1], m[2]) in papers}
+    return [(paper, place) for place, paper in sorted(found.items(), key=lambda one: one[0])]
+
+
+def address_of(paper: dict[str, str]) -> tuple[str, str]:
+    """What is shown of a paper's address, and the address; empty where it has a number only."""
+    if "doi" in paper:
+        return f"doi:{paper['doi']}", f"https://doi.org/{paper['doi']}"
+    if "url" in paper:
+        return re.sub(r"^https?://", "", paper["url"]), paper["url"]
+    return f"ISBN {paper['isbn']}", ""
 
 
 def link_of(paper: dict[str, str]) -> str:
-    """Where the paper is, as reStructuredText."""
-    if "doi" in paper:
-        return f"`doi:{paper['doi']} <https://doi.org/{paper['doi']}>`__"
-    return f"`{paper['url'].removeprefix('https://')} <{paper['url']}>`__"
+    """Where the paper is, as reStructuredText, and why it has no DOI."""
+    shown, address = address_of(paper)
+    link = f"`{shown} <{address}>`__" if address else shown
+    return f"{link} ({paper['why']})" if "why" in paper else link
 
 
 def reference(number: str, text: str, label: str, scope: Scope) -> str:
     """A numbered reference with its anchor and the paper's address."""
     flat = " ".join(text.split())
-    found = papers_of(flat)
-    by_title = [
-        p
-        for p in found
-        if re.sub(r"\W+", " ", p["title"]).casefold() in re.sub(r"\W+", " ", flat).casefold()
-    ]
-    # The title that comes first is the work itself; others are what is said of it.
-    by_title.sort(key=lambda p: flat.casefold().find(p["title"].split()[0].casefold()))
-    links = " ".join(link_of(paper) for paper in (by_title or found)[:1])
+    links = " ".join(link_of(paper) for paper in works_of(flat))
     shown = line_of(flat, Scope(scope.named))
     return f".. _{label}:\n\n[{number}] {shown} {links}\n\n"
+
+
+def titled_in(text: str) -> list[dict[str, str]]:
+    """The papers whose title stands in the text, in its order."""
+    flat = plain(text)
+    titled = [paper for paper in papers_of(text) if plain(paper["title"]) in flat]
+    return sorted(titled, key=lambda paper: flat.find(plain(paper["title"])))
+
+
+def works_of(text: str) -> list[dict[str, str]]:
+    """The works of a numbered reference: one a part where semicolons part it, else the first."""
+    parts = [found for part in text.split(";") if (found := papers_of(part))]
+    if len(parts) > 1:
+        return [found[0] for found in parts]
+    return (titled_in(text) or [*papers_of(text)])[:1]
 
 
 def references_of(docstring: str, prefix: str) -> dict[str, str]:

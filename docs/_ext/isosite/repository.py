@@ -20,14 +20,14 @@ from sphinx.util import logging
 from isosite.articles import LEFT_OUT
 from isosite.evidence import PACKAGES, ROOT
 from isosite.modules import everywhere
-from isosite.prose import papers_of
+from isosite.prose import address_of, titled_in
 from isosite.writing import Pages
 
 logger = logging.getLogger(__name__)
 
 # Files that have a page of their own name.
 NAMED = {
-    "README.md": "start",
+    "README.md": "readme",
     "CHANGELOG.md": "changelog",
     "CONTRIBUTING.md": "contributing",
     "SECURITY.md": "security",
@@ -168,16 +168,18 @@ def converted(path: str, page: str) -> str:
 
 
 def with_address(text: str) -> str:
-    """A guided reading with its paper's DOI behind the first paragraph, where it has none."""
+    """A guided reading with the addresses of its papers behind the first paragraph."""
     head, _, rest = text.partition("\n\n")
     first, _, others = rest.partition("\n\n")
-    found = papers_of(first)
     # Authors and title: the first paragraph of a guided reading.
-    if len(found) != 1 or "doi.org" in first or not re.search(r"\*.+\*", first, re.DOTALL):
+    if "doi.org" in first or not re.search(r"\*.+\*", first, re.DOTALL):
         return text
-    doi = found[0].get("doi")
-    address = f"https://doi.org/{doi}" if doi else found[0]["url"]
-    return f"{head}\n\n{first} [{'doi:' + doi if doi else address}]({address})\n\n{others}"
+    links = ""
+    for paper in titled_in(first):
+        shown, address = address_of(paper)
+        why = f" ({paper['why']})" if "why" in paper else ""
+        links += f" [{shown}](<{address}>){why}" if address else f" {shown}{why}"
+    return f"{head}\n\n{first}{links}\n\n{others}"
 
 
 def with_pictures(text: str, page: str) -> str:

@@ -224,7 +224,7 @@ CLAIMS = (
     _claim(
         "linking",
         "Closed curves are linked and knotted as the known ones are.",
-        "linking numbers by Gauss's integral; knot determinants by Fox's colourings",
+        "Banchoff 1976: linking by Gauss's integral; Fox 1970: knot determinants by colourings",
         2,
         linking,
         {"known"},

@@ -139,7 +139,7 @@ CLAIMS = (
     _claim(
         "nothing",
         "Where components have no common zero, or a component has no zero, there is no simplex.",
-        "[1] section 2.2, definition of the isosurface",
+        "Min 2003, section 2.2, definition of the isosurface",
         0,
         nothing,
         {"empty"},
@@ -148,7 +148,7 @@ CLAIMS = (
     _claim(
         "conforming",
         "Simplices meet in common faces: no face is cut in two ways.",
-        "[1] section 2, definition of a triangulation",
+        "Min 2003, section 2, definition of a triangulation",
         None,
         conforming,
         {"simplices"},
@@ -169,7 +169,7 @@ CLAIMS = (
     _claim(
         "flat",
         "Where the components are affine, every vertex solves them.",
-        "[1] section 2.2: linear on each simplex",
+        "Min 2003, section 2.2: linear on each simplex",
         None,
         flat,
         {"flat"},

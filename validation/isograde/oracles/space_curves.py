@@ -16,9 +16,10 @@ References
 [1] M. V. Berry, Knotted zeros in the quantum states of hydrogen, Found. Phys. 31, 2001.
 [2] K. Brauner, 1928; M. R. Dennis et al., Isolated optical vortex knots, Nature Phys. 6, 2010:
     ``u^2 - v^n`` vanishes on a torus link.
-[3] F. Banchoff, Self-linking numbers of space polygons, 1976: Gauss's integral over two segments
+[3] T. F. Banchoff, Self-linking numbers of space polygons, 1976: Gauss's integral over two segments
     is the solid angle of a spherical quadrilateral.
-[4] R. H. Fox: colourings of a knot; the determinant from the crossings of a projection.
+[4] R. H. Fox, Metacyclic invariants of knots and links, 1970: colourings of a knot; here the
+    determinant, from the crossings of a projection.
 """
 
 from __future__ import annotations
