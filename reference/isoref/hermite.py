@@ -4,10 +4,9 @@ Marching Faces finds points of an intersection curve, and a tangent at each. "Th
 can also be used as the direction of the curves' first order derivative for higher order curves":
 between two neighbouring points runs the cubic that has both points and both tangents::
 
-    p(t) = h00 p0 + h10 c T0 + h01 p1 + h11 c T1          p0 --._          c = |p1 - p0|
-                                                           T0     `--. p1
-    h00 = (1 + 2 t)(1 - t)^2    h10 = t (1 - t)^2                      T1
-    h01 = t^2 (3 - 2 t)         h11 = t^2 (t - 1)
+    p(t) = h00 p0 + h10 c T0 + h01 p1 + h11 c T1    c = |p1 - p0|
+    h00 = (1 + 2 t)(1 - t)^2                        h10 = t (1 - t)^2
+    h01 = t^2 (3 - 2 t)                             h11 = t^2 (t - 1)
 
 The curve is smooth in its direction at every point. If points and tangents are exact it is of
 fourth order in the distance of the points, where the polyline is of second. The points of Marching

@@ -59,18 +59,19 @@ def make_pages(app: Sphinx) -> None:
 
 
 def beside(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
-    """Give articles the chapters of their package for the side; let long titles break."""
+    """Give articles the chapters of their package for the side; let long names break."""
     if page.startswith(("articles/", "tests/")):
         context.update(articles.sidebar(page))
     if "body" in context:
-        context["body"] = re.sub(r"<h1>.*?</h1>", broken, context["body"], count=1, flags=re.DOTALL)
+        named = r"<h([123])>.*?</h\1>" + (r"|<li>.*?</li>" if page == "tests/index" else "")
+        context["body"] = re.sub(named, broken, context["body"], flags=re.DOTALL)
 
 
-def broken(title: re.Match[str]) -> str:
-    """The title with places to break a long name: behind its dots and underscores."""
-    pieces = re.split(r"(<[^>]+>)", title[0])
+def broken(part: re.Match[str]) -> str:
+    """The part with places to break a long name: behind its dots, underscores and the like."""
+    pieces = re.split(r"(<[^>]+>)", part[0])
     return "".join(
-        piece if n % 2 else re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", piece)
+        piece if n % 2 else re.sub(r"(?<=\w)([._:/])(?=\w)", r"\1<wbr>", piece)
         for n, piece in enumerate(pieces)
     )
 

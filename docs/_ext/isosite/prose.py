@@ -277,7 +277,7 @@ def rst_of(docstring: str, scope: Scope, *, level: str = "", label: str = "") ->
 def drawn(paragraph: str, scope: Scope) -> str:
     """An indented paragraph: formulas, or a drawing."""
     block = dedent(paragraph)
-    tex = displayed(block.rstrip().rstrip(","))
+    tex = displayed(re.sub(r"(?<!\.)[.,]$", "", block.rstrip()))
     if tex:
         return f".. math::\n   :nowrap:\n\n   {tex}\n\n"
     rows = definitions(re.sub(r"::\s*$", ":", block))

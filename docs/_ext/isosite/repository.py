@@ -18,7 +18,7 @@ from pathlib import Path
 from sphinx.util import logging
 
 from isosite.articles import LEFT_OUT
-from isosite.evidence import PACKAGES, ROOT
+from isosite.evidence import PACKAGES, ROOT, shown_tests
 from isosite.modules import everywhere
 from isosite.prose import address_of, titled_in
 from isosite.writing import Pages
@@ -74,6 +74,15 @@ EXPLORER = "explorer.html"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
 # A module in back quotes, that is no link already.
 NAME = re.compile(r"(?<![\[`])`(iso(?:ref|grade)(?:\.\w+)+)`(?![\]`])")
+# A program or a module's file in back quotes; a module of the reference by its last name, in tables
+# with a column for it.
+FILE = re.compile(r"(?<![\[`])`((?:[\w.-]+/)*[\w-]+\.py)`(?![\]`])")
+SHORT = re.compile(r"(?<![\[`])`([a-z_]+)`(?![\]`])")
+OF_MODULES = re.compile(
+    r"^\|[^\n]*\| *(?:module|read beside|where) *\|[^\n]*\n(?:\|[^\n]*(?:\n|\Z))+"
+    r"|^\| *module *\|[^\n]*\n(?:\|[^\n]*(?:\n|\Z))+",
+    re.MULTILINE,
+)
 PICTURE = re.compile(r"`((?:[\w.-]+/)*[\w.-]+\.(?:png|svg))`")
 
 
@@ -119,6 +128,20 @@ def target_of(path: str, target: str, page: str) -> tuple[str, str] | None:
     return None
 
 
+def file_at(name: str, path: str, page: str) -> str | None:
+    """Where the program or test of this name is on the site, for the text in the file `path`."""
+    here = posixpath.dirname(page) or "."
+    tests = {test.file: test.page for test in shown_tests()}
+    for folder in (posixpath.dirname(path), "", "reference", "validation", "tests/isoref"):
+        there = posixpath.normpath(posixpath.join(folder, name))
+        if there in tests:
+            return posixpath.relpath(tests[there], here) + ".rst"
+        found = target_of(path, posixpath.relpath(there, posixpath.dirname(path) or "."), page)
+        if (ROOT / there).is_file() and found:
+            return found[1]
+    return None
+
+
 def module_at(path: str) -> str | None:
     """The article of a module's file."""
     for name, module in everywhere().items():
@@ -158,10 +181,29 @@ def converted(path: str, page: str) -> str:
         address = posixpath.relpath(module.page, posixpath.dirname(page) or ".")
         return f"[{match[0]}](<{address}.rst>)"
 
+    def file(match: re.Match[str]) -> str:
+        address = file_at(match[1], path, page)
+        if address is None:
+            return match[0]
+        if address.endswith(".rst"):
+            return f"[{match[0]}](<{address}>)"
+        return f"{{download}}`{match[1]} <{address}>`"
+
+    def short(match: re.Match[str]) -> str:
+        module = everywhere().get(f"isoref.{match[1]}")
+        if module is None:
+            return match[0]
+        address = posixpath.relpath(module.page, posixpath.dirname(page) or ".")
+        return f"[{match[0]}](<{address}.rst>)"
+
     fenced = re.split(r"(^```.*?^```$)", text, flags=re.DOTALL | re.MULTILINE)
-    text = "".join(
-        part if n % 2 else NAME.sub(name, LINK.sub(link, part)) for n, part in enumerate(fenced)
-    )
+
+    def rows(match: re.Match[str]) -> str:
+        return SHORT.sub(short, match[0])
+
+    for pattern, made in ((LINK, link), (NAME, name), (FILE, file), (OF_MODULES, rows)):
+        fenced = [p if n % 2 else pattern.sub(made, p) for n, p in enumerate(fenced)]
+    text = "".join(fenced)
     if path.startswith("papers/"):
         text = with_pictures(with_address(text), page)
     return text
