@@ -68,6 +68,17 @@ def test_formulas_are_found_among_words() -> None:
     assert with_formulas("a = b, c = d") == ":math:`a = b`, :math:`c = d`"
 
 
+def test_symbols_that_stand_alone_are_mathematics() -> None:
+    """A letter with an index, in a row or a list too; words and names of code stay words."""
+    assert with_formulas("The vertices v_0 .. v_n come") == (
+        r"The vertices :math:`v_{0}\, \dots\, v_{n}` come"
+    )
+    assert with_formulas("x_1, x_2, .. be points") == ":math:`x_{1}`, :math:`x_{2}`, .. be points"
+    assert with_formulas("a field phi") == r"a field :math:`\phi`"
+    for words in ("n_jobs and a_b_c", "x and n, m", "a lambda, an epsilon"):
+        assert with_formulas(words) == words
+
+
 def test_a_block_is_mathematics_only_if_every_line_is() -> None:
     """A drawing with a formula in it stays a drawing."""
     assert (

@@ -33,6 +33,10 @@ RELATIONS = {
 }  # fmt: skip
 INDEX = r"(?:_\([^()]*\)|_[A-Za-z0-9]+|[0-9]+)"
 SYMBOL = re.compile(rf"(?:(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-z]){INDEX}?'*(?![A-Za-z_0-9'])")
+# Alone a symbol too: a letter with a short index, and these letters by their names.
+ALONE = re.compile(
+    rf"(?:{'|'.join(GREEK)}|[A-Za-z])_(?:[A-Za-z0-9]{{1,3}}|\([^()]*\))'*|alpha|phi|chi|psi"
+)
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d+)?(?![A-Za-z_]))"
     rf"|(?P<function>(?:{'|'.join((*FUNCTIONS, 'sqrt'))})(?=\s?\())"
@@ -205,6 +209,11 @@ def as_tex(text: str, *, inline: bool = False) -> str | None:
 
 def says_something(row: list[Token]) -> bool:
     """The formula is more than a name, a number or words that happen to be letters."""
+    # Symbols alone, in a row or in a list: "v_0 .. v_n".
+    if {t.text for t in row if t.kind != "symbol"} <= {"..", ","} and any(
+        ALONE.fullmatch(t.text) for t in row
+    ):
+        return all(t.kind != "symbol" or ALONE.fullmatch(t.text) for t in row)
     symbols = sum(token.kind in ("symbol", "function") for token in row)
     joined = any(t.kind == "op" and t.text not in ("(", ")", ",", "..", "|", "!") for t in row)
     call = any(
