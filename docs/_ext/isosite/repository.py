@@ -38,6 +38,7 @@ NAMED = {
     "reports/coverage.md": "reports/coverage",
     "reports/faults/README.md": "reports/faults",
     "reports/mutation/README.md": "reports/mutation",
+    "reports/fuzz.md": "reports/fuzz",
     "reports/search/README.md": "reports/search",
     "validation/proofs/README.md": "reports/proofs",
     "validation/league/README.md": "choose/how",
@@ -74,9 +75,9 @@ EXPLORER = "explorer.html"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
 # A module in back quotes, that is no link already.
 NAME = re.compile(r"(?<![\[`])`(iso(?:ref|grade)(?:\.\w+)+)`(?![\]`])")
-# A program or a module's file in back quotes; a module of the reference by its last name, in tables
+# A program, a text or a module's file in back quotes; a module of the reference by its last name, in tables
 # with a column for it.
-FILE = re.compile(r"(?<![\[`])`((?:[\w.-]+/)*[\w-]+\.py)`(?![\]`])")
+FILE = re.compile(r"(?<![\[`])`((?:[\w.-]+/)*[\w-]+\.(?:py|md))`(?![\]`])")
 SHORT = re.compile(r"(?<![\[`])`([a-z_]+)`(?![\]`])")
 OF_MODULES = re.compile(
     r"^\|[^\n]*\| *(?:module|read beside|where) *\|[^\n]*\n(?:\|[^\n]*(?:\n|\Z))+"
@@ -128,17 +129,24 @@ def target_of(path: str, target: str, page: str) -> tuple[str, str] | None:
     return None
 
 
-def file_at(name: str, path: str, page: str) -> str | None:
-    """Where the program or test of this name is on the site, for the text in the file `path`."""
+def file_at(name: str, path: str, page: str) -> tuple[str, str] | None:
+    """The kind of link, and its address, to the file that the text in `path` names."""
     here = posixpath.dirname(page) or "."
     tests = {test.file: test.page for test in shown_tests()}
-    for folder in (posixpath.dirname(path), "", "reference", "validation", "tests/isoref"):
+    for folder in (
+        posixpath.dirname(path),
+        "",
+        "reference",
+        "validation",
+        "tests/isoref",
+        "reports/papers",
+    ):
         there = posixpath.normpath(posixpath.join(folder, name))
         if there in tests:
-            return posixpath.relpath(tests[there], here) + ".rst"
+            return "page", posixpath.relpath(tests[there], here) + ".rst"
         found = target_of(path, posixpath.relpath(there, posixpath.dirname(path) or "."), page)
         if (ROOT / there).is_file() and found:
-            return found[1]
+            return found
     return None
 
 
@@ -182,12 +190,10 @@ def converted(path: str, page: str) -> str:
         return f"[{match[0]}](<{address}.rst>)"
 
     def file(match: re.Match[str]) -> str:
-        address = file_at(match[1], path, page)
-        if address is None:
-            return match[0]
-        if address.endswith(".rst"):
+        kind, address = file_at(match[1], path, page) or ("", "")
+        if kind == "page":
             return f"[{match[0]}](<{address}>)"
-        return f"{{download}}`{match[1]} <{address}>`"
+        return f"{{download}}`{match[1]} <{address}>`" if kind == "download" else match[0]
 
     def short(match: re.Match[str]) -> str:
         module = everywhere().get(f"isoref.{match[1]}")
