@@ -75,8 +75,8 @@ EXPLORER = "explorer.html"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
 # A module in back quotes, that is no link already.
 NAME = re.compile(r"(?<![\[`])`(iso(?:ref|grade)(?:\.\w+)+)`(?![\]`])")
-# A program, a text or a module's file in back quotes; a module of the reference by its last name, in tables
-# with a column for it.
+# A program, a text or a module's file in back quotes; a module of the reference by its last name,
+# in tables with a column for it.
 FILE = re.compile(r"(?<![\[`])`((?:[\w.-]+/)*[\w-]+\.(?:py|md))`(?![\]`])")
 SHORT = re.compile(r"(?<![\[`])`([a-z_]+)`(?![\]`])")
 OF_MODULES = re.compile(
