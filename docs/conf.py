@@ -47,6 +47,8 @@ html_theme = "pydata_sphinx_theme"
 html_title = "isograde"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+# Articles and lessons come before tests in what a search finds.
+html_search_scorer = str(HERE / "_static" / "scorer.js")
 html_show_sourcelink = False
 html_copy_source = False
 # Nothing is put into it: the search finds names.
