@@ -101,6 +101,44 @@ def test_normals_that_point_the_other_way_everywhere_are_told_with_the_word_to_d
     )
 
 
+def test_normals_that_are_right_elsewhere_are_not_said_to_be_declared_wrongly() -> None:
+    """Of misc3d: all of the smallest field point the other way, and most fields are right."""
+
+    def mixed(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mini.plain(values, isovalue, spacing)
+        return vertices, faces[:, ::-1] if values.shape == (5, 6, 7) else faces
+
+    said = told(mixed, "topology.sides", "noise/white-5x6x7", "noise/white-8x9x10", "pairs/0217")
+    assert said == "in this field all normals point the other way; in 2 others they are right"
+
+
+def test_a_vertex_beyond_the_samples_is_told_as_that() -> None:
+    """Of ITK and VTK: no edge of the lattice is there, so no ends of one."""
+
+    def astray(vertices: Any, faces: Any) -> Any:
+        on = int(np.flatnonzero(vertices[:, 0] == 0)[0])
+        moved = vertices.copy()
+        moved[on, 0] = -1.75
+        return moved, faces
+
+    said = told(mini.changed(astray), "geometry.vertices", "noise/white-5x6x7")
+    assert said.startswith("a vertex stands at index [-1.75, ")
+    assert said.endswith(", beyond the samples, which end at [1, 1, 1]")
+
+
+def test_a_hole_that_no_edge_of_the_welded_mesh_shows_is_told_as_it_was_judged() -> None:
+    """Of ITK on one row of samples: there is nothing inside such a domain."""
+
+    def strips(values: Any, isovalue: float, spacing: Any) -> Any:
+        points = [[0.5, 0, 1], [0, 0.5, 1], [0, 0, 0.5], [1, 0, 0.5], [0.5, 0, 0], [1, 0.5, 0]]
+        points += [[0.5, 0, 1], [0, 0, 1.5], [0, 0.5, 1]]
+        return np.array(points), np.array([[0, 2, 1], [3, 5, 4], [6, 8, 7]])
+
+    said = told(strips, "topology.closed", "shapes/1x1x6", interpolant="labels")
+    assert "hole of 0" not in said
+    assert "belong to one simplex only" in said
+
+
 def test_a_soup_that_does_not_say_so_is_told() -> None:
     said = told(mini.changed(mini.soup), "topology.closed", "noise/white-5x6x7")
     assert said == (

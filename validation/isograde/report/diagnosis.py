@@ -327,8 +327,10 @@ def _hole(report: Report, summary: Summary, seen: Seen | None) -> str:
     if seen.numbers.get("beyond"):
         return f"the surface goes on beyond its domain, and ends at index {_place(seen.first[0])}"
     edges = _ring(seen)
+    if not len(edges):  # Once vertices at one place are one, no edge that counts is open.
+        return ""
     ring = np.unique(edges)
-    cells = cells_round(seen.mesh.points[ring], seen.lattice.shape) if len(ring) else []
+    cells = cells_round(seen.mesh.points[ring], seen.lattice.shape)
     if len(cells) == 2:
         return _disagree(seen, cells)
     if len(cells) == 1 and len(ring) == 3:
@@ -398,6 +400,10 @@ def _reversed(report: Report, summary: Summary, seen: Seen | None) -> str:
     """Of sides that are all exchanged."""
     numbers = summary.failure.numbers if summary.failure else {}
     if numbers.get("reversed") and numbers["reversed"] == numbers["faces"] == numbers["judged"]:
+        if right := summary.counts[Verdict.PASS]:
+            return (
+                f"in this field all normals point the other way; in {right:,} others they are right"
+            )
         to = report.declaration["conventions"]["normals"]
         other = {"to_low": "to_high", "to_high": "to_low"}.get(to, "none")
         return (
@@ -473,8 +479,11 @@ def _astray(report: Report, summary: Summary, seen: Seen | None) -> str:
         return ""
     point = seen.first[0]
     whole = np.abs(point - np.rint(point)) < 1e-4
+    place, n, last = _place(point), len(point), np.subtract(seen.lattice.shape, 1)
+    if (point < -1e-4).any() or (point > last + 1e-4).any():
+        end = last.tolist()
+        return f"a vertex stands at index {place}, beyond the samples, which end at {end}"
     cells = cells_round(point[None], seen.lattice.shape)
-    place, n = _place(point), len(point)
     if whole.all():
         return f"a vertex stands on the sample {np.rint(point).astype(int).tolist()}"
     if whole.sum() == n - 1:

@@ -125,10 +125,11 @@ def _agree(vertices: Floats, right: Floats) -> float:
 def _maps(shape: Floats, spacing: Floats) -> Iterator[Shift]:
     """What is said, the factor and the shift of each mistake, in index coordinates."""
     one, none = np.ones(len(shape)), np.zeros(len(shape))
-    yield scaled(), shape / (shape - 1), none
-    yield scaled(up=False), (shape - 1) / shape, none
-    yield "drawn in the unit cube: divided by n-1", 1 / (shape - 1), none
-    yield "drawn in a cube from -1 to 1", 2 / (shape - 1), -one
+    cells = np.maximum(shape - 1, 1)
+    yield scaled(), shape / cells, none
+    yield scaled(up=False), cells / shape, none
+    yield "drawn in the unit cube: divided by n-1", 1 / cells, none
+    yield "drawn in a cube from -1 to 1", 2 / cells, -one
     for told, by in (("half a cell", 0.5), ("a whole cell", 1.0)):
         yield f"shifted by {told} along every axis", one, by * one
         yield f"shifted by {told} against every axis", one, -by * one
