@@ -3,13 +3,13 @@
 import shutil
 from copy import deepcopy
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 from isograde.adapters import open_adapter
 from isograde.checking import check
 from isograde.declaration import declaration_from
-from isograde.model import Limits
+from isograde.model import CURVES, SURFACES, Limits
 from isograde.report.packed import unpacked
 from isograde.report.reading import read
 
@@ -91,6 +91,21 @@ def test_what_cannot_be_built_costs_its_own_row(
     given = league.argparse.Namespace(names=[], again=False, build=True, redeclare=False, only=[])
     assert not league._row(PACKAGES["octave"], given)
     assert "no octave-cli" in (tmp_path / "octave" / "failed.txt").read_text()
+
+
+def test_what_was_graded_on_fewer_scans_stands_beside_no_other() -> None:
+    """Issue 16: one scoring and one denominator; the reason stands in its row."""
+
+    def made(name: str, *cases: str) -> SimpleNamespace:
+        said = {case: {"tags": ["real"] if case.startswith("real/") else []} for case in cases}
+        return SimpleNamespace(name=name, kinds=(SURFACES,), cases=said)
+
+    whole = made("whole", "noise/0", "real/head", "real/tooth")
+    curves = SimpleNamespace(name="curves", kinds=(CURVES,), cases={})
+    assert league.fewer_scans([whole, curves, made("some", "noise/0", "real/head")]) == {
+        "some": "graded without 1 of the 2 scans (ISOGRADE_DATA)"
+    }
+    assert league.fewer_scans([]) == {}
 
 
 @pytest.mark.slow

@@ -38,7 +38,7 @@ from isograde.cases import PLAN
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from, declaration_json
 from isograde.grading import grade as graded
-from isograde.model import AdapterError, Limits
+from isograde.model import SURFACES, AdapterError, Limits
 from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
 from isograde.report.headline import headline
@@ -300,7 +300,8 @@ def _about(said: Mapping[str, Any], calls: str) -> About:
 def page(*, plain: bool = False) -> Path:
     """``reports/league/index.html``, of the league's reports and the ready-made names'.
 
-    Only reports of the present plan stand beside each other; of the others it is said.
+    Only reports of the present plan, on the same scans, stand beside each other; of the others it
+    is said.
     """
     found, links, absent = [], {}, {}
     for folder in (REPORTS, READY_MADE):
@@ -316,6 +317,8 @@ def page(*, plain: bool = False) -> Path:
             found.append(read(path))
             stem = path.name.removesuffix(".jsonl.gz")
             links[name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
+    absent |= fewer_scans(found)
+    found = [one for one in found if one.name not in absent]
     for package in packages():
         reason = package.built / "failed.txt"
         for method in package.methods:
@@ -329,6 +332,21 @@ def page(*, plain: bool = False) -> Path:
     text = choosing_page(found, links, known, absent, costs(), versions())
     again = "python validation/league/league.py --page --plain"
     return reports.write_whole(REPORTS / "index.html", text if plain else packed(text, again))
+
+
+def fewer_scans(found: Sequence[Report]) -> dict[str, str]:
+    """By name, of what extracts surfaces, what was graded on fewer scans than the others."""
+    scans = {
+        one.name: {case for case, said in one.cases.items() if "real" in said["tags"]}
+        for one in found
+        if SURFACES in one.kinds
+    }
+    every = set().union(*scans.values())
+    return {
+        name: f"graded without {len(every - own)} of the {len(every)} scans (ISOGRADE_DATA)"
+        for name, own in scans.items()
+        if every - own
+    }
 
 
 def between(text: str, best: str) -> str:
