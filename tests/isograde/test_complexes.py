@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
+from isograde.oracles import complexes, rows
 from isograde.oracles.complexes import Complex, _sorted, parity
 from isoref.field import Floats, Integers
 from scipy.spatial import ConvexHull
@@ -143,10 +144,65 @@ def test_turning_and_linking_find_the_same_fans(seed: int) -> None:
     fewer = faces[rng.random(len(faces)) < 0.8]
     surface = Complex.of(points, fewer)
     tail = surface.simplices.reshape(-1)
-    turning = np.bincount(tail[surface._fans_by_turning()], minlength=len(points))
+    turning = np.bincount(tail[surface._fans_by_turning(*surface._turns())], minlength=len(points))
     linking = np.bincount(tail[surface._fans_by_linking()], minlength=len(points))
     assert np.array_equal(turning, linking)
     assert turning.max() > 1
+
+
+@pytest.mark.parametrize("holes", [0, 1, 300])
+@pytest.mark.parametrize("seed", range(3))
+def test_walks_about_vertices_find_where_one_has_two_fans(seed: int, holes: int) -> None:
+    """On a closed ball, on one with a hole, and where fans are torn apart."""
+    x = np.linspace(-1.0, 1, 12) ** 2
+    values = 0.6 - (x[:, None, None] + x[None, :, None] + x)
+    points, faces, _, _ = measure.marching_cubes(values, 0.0)
+    faces = np.random.default_rng(seed).permutation(faces)[holes:].astype(np.int64)
+    surface = Complex.of(points.astype(float), faces)
+    turn, ends = surface._turns()
+    roots = surface._fans_by_linking()
+    fans = np.bincount(surface.simplices.reshape(-1)[roots], minlength=len(points))
+    assert surface._each_is_one_fan(turn, ends) == (fans.max() == 1)
+    assert (fans.max() == 1) == (holes < 300)
+
+
+def test_a_walk_gives_up_where_a_fan_is_large_and_doubling_answers() -> None:
+    """A wheel of more triangles than a walk has steps."""
+    count = complexes.WALK + 9
+    rim = np.arange(count) + 1
+    faces = np.stack([np.zeros(count, int), rim, np.roll(rim, -1)], axis=1)
+    wheel = Complex.of(np.zeros((count + 1, 3)), faces)
+    assert not wheel._each_is_one_fan(*wheel._turns())
+    assert wheel.fans.tolist() == [1] * (count + 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_names_in_portions_give_the_facets_of_the_plain_way(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With holes, flipped triangles and crowded edges; and all else is as it was before."""
+    points, faces = noise(7, seed)
+    rng = np.random.default_rng(seed)
+    faces = faces[rng.random(len(faces)) < 0.9]
+    faces[::7] = faces[::7, ::-1]
+    faces = np.concatenate([faces, faces[:5]])
+
+    def told(portion: int, plain: bool) -> list[object]:
+        with monkeypatch.context() as patch:
+            patch.setattr(complexes, "PORTION", portion)
+            patch.setattr(rows, "PORTION", portion)
+            if plain:
+                patch.setattr(complexes, "_edges", lambda simplices, vertices: None)
+            one = Complex.of(points, faces)
+            found = one.facets
+            arrays = found.rows, found.uses, found.balance, found.sides, found.start
+            return [
+                *(array.tolist() for array in (*arrays, one.fans, one.measures, one.normals)),
+                *(one.components, one.euler, one.measure, one.enclosed),
+            ]
+
+    assert told(3 << 14, False) == told(33, False) == told(3 << 14, True)
+    assert len(Complex.of(points, faces).crowded_facets) > 0
 
 
 @pytest.mark.parametrize("vertices", [500, 2**30, 2**40])
@@ -155,9 +211,9 @@ def test_rows_that_do_not_fit_one_key_sort_the_same(vertices: int) -> None:
     _, faces = noise(6, 0)
     columns = list(np.sort(faces[:, :2], axis=1).T)
     order, start = _sorted(columns, vertices)
-    rows = np.stack(columns, axis=1)[order]
+    listed = np.stack(columns, axis=1)[order]
     expected, first = np.unique(np.stack(columns, axis=1), axis=0, return_index=True)
-    assert np.array_equal(rows[start], expected)
+    assert np.array_equal(listed[start], expected)
     assert np.array_equal(order[start], first)
 
 

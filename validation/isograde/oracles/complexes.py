@@ -45,6 +45,10 @@ from isograde.oracles.rows import components_of, distinct
 # The largest dimension of simplices for which "manifold" is decided and not only bounded.
 EXACT = 3
 
+# From so many corners on, fans are asked about by walks, of at most so many steps each; so many
+# sides are named at once, so that their arrays stay in the processor's cache.
+LARGE, WALK, PORTION = 1 << 14, 64, 3 << 14
+
 
 @dataclass(frozen=True, eq=False)
 class Facets:
@@ -114,11 +118,12 @@ class Complex:
         if not self.k or not len(self.simplices):
             none = np.empty(0, np.int64)
             return Facets(np.empty((0, max(self.k, 0)), np.int64), none, none, none, none)
+        if self.k == 2 and (found := _edges(self.simplices, len(self.points))) is not None:
+            return found
         columns, sign = _sides(self.simplices)
         order, start = _sorted(columns, len(self.points))
         uses = np.diff(start, append=len(order))
-        turned = sign[order]
-        balance = np.add.reduceat(turned, start) if len(start) else start
+        balance = np.add.reduceat(sign[order], start)
         first = order[start]
         rows = np.stack([column[first] for column in columns], axis=1)
         return Facets(rows, uses, balance, order, start)
@@ -154,7 +159,7 @@ class Complex:
     def used(self) -> Booleans:
         """(V,) vertices that some simplex names."""
         used = np.zeros(len(self.points), bool)
-        used[self.simplices] = True
+        used[self.simplices.reshape(-1)] = True
         return used
 
     @cached_property
@@ -162,30 +167,85 @@ class Complex:
         """(V,) connected parts of each vertex's link; 1 on a manifold. For triangles only."""
         facets = self.facets
         plain = (facets.uses <= 2).all() and not len(self.misdirected_facets)
-        roots = self._fans_by_turning() if plain else self._fans_by_linking()
+        if not plain:
+            roots = self._fans_by_linking()
+        else:
+            turn, ends = self._turns()
+            if self.simplices.size > LARGE and self._each_is_one_fan(turn, ends):
+                return self.used.astype(np.int64)
+            roots = self._fans_by_turning(turn, ends)
         return np.bincount(self.simplices.reshape(-1)[roots], minlength=len(self.points))
 
-    def _fans_by_turning(self) -> Integers:
-        """One corner of each fan, where no edge is crowded or misdirected.
+    def _turns(self) -> tuple[Integers, Booleans]:
+        """The corner after each one about its vertex, itself where a fan ends, and where one does.
 
-        Turning about a vertex is a partial permutation of corners: cross the edge that comes in
-        and stand at the next triangle's corner. Doubling the turn finds every orbit's lowest
-        corner in as many steps as the largest fan has binary digits.
+        Turning about a vertex is a partial permutation of corners, where no edge is crowded or
+        misdirected: cross the edge that comes in and stand at the next triangle's corner.
         """
         # Half the bytes are half the time, where the numbers fit.
         size = self.simplices.size
-        corners = np.arange(size, dtype=np.int32 if size < 1 << 31 else np.int64)
-        twin = corners.copy()
+        twin: Integers = np.arange(size, dtype=np.int32 if size < 1 << 31 else np.int64)
         facets = self.facets
-        at = facets.start[facets.uses == 2]
-        one, other = facets.sides[at], facets.sides[at + 1]
+        if 2 * len(facets.start) == size:
+            one, other = facets.sides[::2], facets.sides[1::2]
+        else:
+            at = facets.start[facets.uses == 2]
+            one, other = facets.sides[at], facets.sides[at + 1]
         twin[one], twin[other] = other, one
+
         # The side that comes into corner 3 t + c is 3 t + (c + 2) % 3; its twin leaves the same
-        # vertex. At a boundary there is no twin and the fan ends: stay, and mark it by -1.
-        before, incoming = (sides.reshape(-1, 3)[:, [2, 0, 1]].ravel() for sides in (corners, twin))
-        ends = incoming == before
-        turn = np.where(ends, corners, incoming)
-        lowest = np.where(ends, np.int32(-1), corners)
+        # vertex. At a boundary there is no twin, and the fan ends.
+        turn: Integers = np.empty((size // 3, 3), twin.dtype)
+        turn[:, 0], turn[:, 1:] = twin.reshape(-1, 3)[:, 2], twin.reshape(-1, 3)[:, :2]
+        ends = np.zeros((size // 3, 3), bool)
+        if 2 * len(facets.start) != size:
+            alone = (twin == np.arange(size)).reshape(-1, 3)
+            ends[:, 0], ends[:, 1:] = alone[:, 2], alone[:, :2]
+            turn[ends] = np.flatnonzero(ends)
+        return turn.reshape(-1), ends.reshape(-1)
+
+    def _each_is_one_fan(self, turn: Integers, ends: Booleans) -> bool:
+        """Whether every vertex has one fan: a walk about it meets all of its corners.
+
+        A walk begins anywhere, or where the first triangle of an open fan is, and takes as many
+        steps as the largest fan has corners; so those with large ones are not asked.
+        """
+        tail = self.simplices.reshape(-1)
+        corners = np.bincount(tail, minlength=len(self.points))
+        if corners.max() > WALK:
+            return False
+        first = np.empty(len(self.points), turn.dtype)
+        first[tail] = np.arange(len(tail), dtype=turn.dtype)
+        if ends.any():
+            begins = np.ones(len(tail), bool)
+            begins[turn[~ends]] = False
+            first[tail[begins]] = np.flatnonzero(begins)
+        vertex = np.flatnonzero(self.used)
+        start, number = first.take(vertex), corners.take(vertex)
+        at, met = start, 0
+        while len(at):
+            met += 1
+            after = turn.take(at)
+            round_ = after == start
+            if ends.any():
+                round_ |= after == at
+            if not round_.any():
+                at = after
+                continue
+            if (number.take(round_.nonzero()[0]) != met).any():
+                return False
+            goes_on = (~round_).nonzero()[0]
+            at, start, number = (one.take(goes_on) for one in (after, start, number))
+        return True
+
+    def _fans_by_turning(self, turn: Integers, ends: Booleans) -> Integers:
+        """One corner of each fan, by turns (`_turns`).
+
+        Doubling the turn finds every orbit's lowest corner, or -1 where the fan ends, in as many
+        steps as the largest fan has binary digits.
+        """
+        corners = np.arange(len(turn), dtype=turn.dtype)
+        lowest = np.where(ends, turn.dtype.type(-1), corners)
         while True:
             lower = np.minimum(lowest, lowest[turn])
             if np.array_equal(lower, lowest):
@@ -264,7 +324,9 @@ class Complex:
     @cached_property
     def components(self) -> int:
         """Number of connected pieces, simplices joined by shared vertices."""
-        count, _ = components_of(len(self.points), self.pairs)
+        # The edges of triangles are fewer than their pairs, and known already.
+        pairs = np.ascontiguousarray(self.facets.rows.T) if self.k == 2 else self.pairs
+        count, _ = components_of(len(self.points), pairs)
         return count - int((~self.used).sum())
 
     def faces(self) -> list[tuple[Integers, int]]:
@@ -306,7 +368,11 @@ class Complex:
         array([5.])
         """
         if self.k == 2 and self.points.shape[1] == 3:
-            return np.asarray(np.linalg.norm(self.normals, axis=1) / 2)
+            area = np.empty(len(self.normals), self.normals.dtype)
+            for at in range(0, len(area), PORTION):
+                x, y, z = self.normals[at : at + PORTION].T
+                area[at : at + PORTION] = np.sqrt(x * x + y * y + z * z) / 2
+            return area
         place = self.points[self.simplices]
         edges = place[:, 1:] - place[:, :1]
         gram = np.linalg.det(edges @ edges.transpose(0, 2, 1))
@@ -320,16 +386,14 @@ class Complex:
     @cached_property
     def normals(self) -> Floats:
         """(S, 3) right-hand normals of triangles in space, as long as twice the area."""
-        columns = [self.points[:, axis] for axis in range(3)]
-        corners = [self.simplices[:, i] for i in range(3)]
-        starts = [column[corners[0]] for column in columns]
-        u, v = (
-            [column[corner] - start for column, start in zip(columns, starts, strict=True)]
-            for corner in corners[1:]
-        )
         normal = np.empty((len(self.simplices), 3), self.points.dtype)
-        for axis, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
-            normal[:, axis] = u[i] * v[j] - u[j] * v[i]
+        for at in range(0, len(normal), PORTION):
+            some = self.simplices[at : at + PORTION]
+            place, u, v = (self.points.take(corner, axis=0) for corner in some.T)
+            u -= place
+            v -= place
+            for axis, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
+                normal[at : at + PORTION, axis] = u[:, i] * v[:, j] - u[:, j] * v[:, i]
         return normal
 
     @cached_property
@@ -341,7 +405,12 @@ class Complex:
         1.0
         """
         if self.k == 2:
-            return float((self.points[self.simplices[:, 0]] * self.normals).sum() / 6)
+            inner = np.empty_like(self.normals)
+            for at in range(0, len(inner), PORTION):
+                some = slice(at, at + PORTION)
+                place = self.points.take(self.simplices[some, 0], axis=0)
+                np.multiply(place, self.normals[some], out=inner[some])
+            return float(inner.sum() / 6)
         place = self.points[self.simplices] - self.points.mean(axis=0)
         return float(np.linalg.det(place).sum() / factorial(self.k + 1))
 
@@ -356,6 +425,53 @@ def parity(rows: Integers) -> Integers:
     for i, j in combinations(range(rows.shape[1]), 2):
         swaps += rows[:, i] > rows[:, j]
     return 1 - 2 * (swaps % 2)
+
+
+def _edges(simplices: Integers, vertices: int) -> Facets | None:
+    """The facets of triangles, by one sort; None where a side's name needs more than 64 bits.
+
+    A side is named by its lower vertex, its higher one, its number, and a bit that says whether it
+    runs from the lower to the higher; whatever is asked of an edge then follows from the names.
+    """
+    v, h = max(vertices - 1, 1).bit_length(), max(simplices.size - 1, 1).bit_length()
+    if 2 * v + h + 1 > 64:
+        return None
+    names = np.empty(simplices.size, np.uint64)
+    for at in range(0, len(names), PORTION):
+        some = simplices[at // 3 : (at + PORTION) // 3].astype(np.uint64)
+        tail, head = some.reshape(-1), some[:, [1, 2, 0]].reshape(-1)
+        name = np.minimum(tail, head)
+        name <<= np.uint64(v)
+        name |= np.maximum(tail, head)
+        name <<= np.uint64(h)
+        name |= np.arange(at, at + len(name), dtype=np.uint64)
+        name <<= np.uint64(1)
+        name |= tail < head
+        names[at : at + PORTION] = name
+    names.sort()
+
+    # Read the sides and the edges off the names.
+    new = np.ones(len(names), bool)
+    sides = np.empty(len(names), np.int64)
+    climbs = np.empty(len(names), bool)
+    for at in range(0, len(names), PORTION):
+        name = names[max(at - 1, 0) : at + PORTION]
+        edge = name >> np.uint64(h + 1)
+        np.not_equal(edge[1:], edge[:-1], out=new[at + (at == 0) : at + PORTION])
+        name = name[(at > 0) :]
+        np.not_equal(name & np.uint64(1), 0, out=climbs[at : at + PORTION])
+        sides[at : at + PORTION] = name >> np.uint64(1) & np.uint64((1 << h) - 1)
+    start = np.flatnonzero(new)
+    edge = names[start] >> np.uint64(h + 1)
+    rows = np.empty((len(start), 2), np.int64)
+    rows[:, 0], rows[:, 1] = edge >> np.uint64(v), edge & np.uint64((1 << v) - 1)
+    if 2 * len(start) == len(names) and new[::2].all():
+        balance = 2 * (climbs[::2].astype(np.int64) + climbs[1::2] - 1)
+        return Facets(rows, np.full(len(start), 2), balance, sides, start)
+    uses = np.diff(start, append=len(names))
+    return Facets(
+        rows, uses, 2 * np.add.reduceat(climbs, start, dtype=np.int64) - uses, sides, start
+    )
 
 
 def _sides(simplices: Integers) -> tuple[list[Integers], Integers]:
