@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import whole
-from isograde.adapters import open_adapter, ready_made_names
+from isograde.adapters import ready_made_names
 from isograde.claims.cells import on_cell_edges
 from isograde.model import SURFACES, Adapter, AdapterError, Limits
 from isograde.oracles.self_intersections import self_intersections
@@ -21,6 +21,7 @@ from posing import (
     Floats,
     crowded,
     faults,
+    posed_to,
     random_cells,
     side_of,
     stacked,
@@ -81,7 +82,7 @@ def posed(share: int) -> Posed:
 
 def agreement(name: str, asked: Posed) -> Agreement:
     """The implementation's row."""
-    adapter, row = open_adapter(name), Agreement(name)
+    adapter, row = posed_to(name), Agreement(name)
     try:
         said = adapter.open(Limits(seconds=120))
         row.version = said.version

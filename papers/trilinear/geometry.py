@@ -10,7 +10,7 @@ import pymeshlab
 from isograde.cases import accuracy
 from isograde.claims import accuracy as claims
 from isograde.claims.accuracy import PROBES
-from isograde.model import Adapter, Case, Declaration, Finding, Request, Trial
+from isograde.model import SURFACES, Adapter, Declaration, Finding, Request, Trial
 from isograde.oracles.complexes import Complex
 from isograde.oracles.self_intersections import self_intersections
 from isograde.oracles.shapes import Shapes, shapes
@@ -76,19 +76,18 @@ def measured(adapter: Adapter, values: Floats) -> Geometry:
     )
 
 
-def orders(adapter: Adapter, said: Declaration) -> dict[str, list[Finding]]:
-    """What each claim of accuracy says of the rows of spheres and of tori."""
-    found: dict[str, list[Finding]] = {}
-    for case in (case for case in accuracy.cases() if "row" in case.facts):
-        trial = _trial(adapter, said, case)
-        for claim in CLAIMS:
-            if trial is not None and claim.families(said):
-                found.setdefault(claim.id, []).append(claim.judge(trial))
+def orders(adapter: Adapter, said: Declaration) -> dict[str, dict[str, Finding] | str]:
+    """For spheres and tori, what each claim of accuracy says of them, or why there is no mesh."""
+    found: dict[str, dict[str, Finding] | str] = {}
+    for case in accuracy.cases():
+        if "row" not in case.facts or case.kind != SURFACES:
+            continue
+        field = case.build()
+        outcome = adapter.run(Request(case.id, "plain", field, case.isovalues))
+        if outcome.mesh is None:
+            found[str(case.facts["row"])] = f"no mesh: {outcome.status}, {outcome.detail}"
+            continue
+        trial = Trial(case, field, said, {"plain": outcome})
+        asked = [c for c in CLAIMS if c.applies_to(case) and c.families(said)]
+        found[str(case.facts["row"])] = {claim.id: claim.judge(trial) for claim in asked}
     return found
-
-
-def _trial(adapter: Adapter, said: Declaration, case: Case) -> Trial | None:
-    """The case and its answer, where there is one."""
-    field = case.build()
-    outcome = adapter.run(Request(case.id, "plain", field, case.isovalues))
-    return None if outcome.mesh is None else Trial(case, field, said, {"plain": outcome})

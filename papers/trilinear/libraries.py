@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import geometry
+import posing
 from agreement import Agreement, Posed, agreement, implementations
-from isograde.adapters import open_adapter
 from isograde.cases.trilinear_cells import TUNNELS
-from isograde.model import AdapterError, Finding, Limits
+from isograde.model import AdapterError, Finding, Limits, Verdict
 from isograde.oracles.sheets import Fault
 from isograde.oracles.trilinear_cases import every_case
 from smallest import Smallest, smallest_failures
@@ -26,17 +29,57 @@ LETTERS = {
 Mark = Callable[[Agreement, str], str]
 
 
-def compared(asked: Posed, limits: Sequence[int], pool: Executor) -> list[str]:
+@dataclass(frozen=True)
+class Answered:
+    """All that is asked of one implementation.
+
+    near, orders : its lines of the tables beside topology
+    """
+
+    agreement: Agreement
+    smallest: list[Smallest]
+    near: str
+    orders: list[str]
+
+    @property
+    def by_cells(self) -> bool:
+        """Whether single cells could be judged."""
+        return not (self.agreement.why_not or self.agreement.why_not_cells)
+
+
+def answered(
+    asked: Posed, limits: Sequence[int], pool: Executor, kept: Path | None = None
+) -> list[Answered]:
+    """What every implementation answers; what the folder `kept` has is not asked again."""
+    ask = partial(_answered, asked=asked, limits=tuple(limits), kept=kept)
+    return list(pool.map(ask, implementations()))
+
+
+def _answered(name: str, asked: Posed, limits: tuple[int, ...], kept: Path | None) -> Answered:
+    """What the implementation answers, read from its file or else written there."""
+    path = None if kept is None else kept / f"{name.replace(':', '-')}-{len(asked.values)}.pickle"
+    if path is not None and path.is_file():
+        return pickle.loads(path.read_bytes())
+    row = agreement(name, asked)
+    faulty = row.faults and not row.why_not_cells and not name.startswith("isoref")
+    small = smallest_failures(name, limits) if faulty else []
+    made = Answered(row, small, *_measured(name))
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        whole = path.with_suffix(".part")
+        whole.write_bytes(pickle.dumps(made))
+        whole.replace(path)
+    return made
+
+
+def compared(found: list[Answered]) -> list[str]:
     """A row for each implementation, the tables of cases, and the smallest failing cells."""
-    rows = list(pool.map(partial(agreement, asked=asked), implementations()))
-    by_cells = [row for row in rows if not row.why_not and not row.why_not_cells]
-    faulty = [row.name for row in by_cells if row.faults and not row.name.startswith("isoref")]
-    smallest = pool.map(partial(smallest_failures, limits=tuple(limits)), faulty)
+    rows = [one.agreement for one in found]
     return [
         _summary(rows),
-        _by_case(by_cells),
+        _by_case([one.agreement for one in found if one.by_cells]),
         _by_island([row for row in rows if not row.why_not]),
-        _smallest([small for found in smallest for small in found]),
+        _smallest([small for one in found for small in one.smallest]),
     ]
 
 
@@ -44,7 +87,9 @@ SUMMARY = """## Who has the topology of the trilinear interpolant
 
 Cell by cell: right cells among random ones, among the targeted ones of cases without and with a
 tunnel; pairs of tunnels that meet on a face, out of 72, in which an edge has more than two
-triangles. MeshLab, which takes small fields only, has a tenth of the random cells.
+triangles. MeshLab, which takes small fields only, has a tenth of the random cells; where its filter
+is called as it is (`pymeshlab:raw`) it leaves the last two layers of cells out along each axis, so
+it is given two layers of samples more.
 
 As a whole: the targeted cells amid low samples, so that each has a closed surface of its own; right
 where its components and its Euler characteristic are. This can be asked of anybody. The row of an
@@ -170,12 +215,14 @@ ORDERS = """## Orders of convergence
 
 Observed order with its 95 % confidence interval, spheres and tori at six resolutions (claims
 `accuracy.*`). Formal: 2 for position, distance of the triangles from the trilinear surface, area
-and volume, 1 for normals and total mean curvature.
+(`measure`) and volume, 1 for normals, those returned and total mean curvature. An entry is empty
+where the claim is not made of what the implementation declares: distance of methods that cut other
+cells than cubes, normals and curvature of those without linear crossings on edges.
 
 """
 
 
-def beside_topology(pool: Executor) -> list[str]:
+def beside_topology(found: list[Answered]) -> list[str]:
     """Distance to the level set, triangles, self-intersections; and orders of convergence."""
     names = [claim.id.split(".")[1] for claim in geometry.CLAIMS]
     near = [NEAR]
@@ -183,22 +230,22 @@ def beside_topology(pool: Executor) -> list[str]:
         f"{ORDERS}| implementation | shape | {' | '.join(names)} |",
         f"| --- | --- | {' | '.join('---:' for _ in names)} |",
     ]
-    for near_row, order_rows in pool.map(_measured, implementations()):
-        near.append(near_row)
-        far += order_rows
+    for one in found:
+        near.append(one.near)
+        far += one.orders
     return ["\n".join(lines) + "\n" for lines in (near, far)]
 
 
 def _measured(name: str) -> tuple[str, list[str]]:
     """The lines of one implementation: on smoothed noise, and its orders."""
     columns = len(geometry.CLAIMS)
-    adapter = open_adapter(name)
+    adapter = posing.posed_to(name)
     try:
         said = adapter.open(Limits(seconds=120))
         near = _near_row(name, adapter, geometry.smooth_noise())
-        return near, _order_rows(name, geometry.orders(adapter, said), columns)
+        return near, _order_rows(name, geometry.orders(adapter, said))
     except AdapterError as error:
-        why = f"| {name} | not measured: {_first_line(error)} |"
+        why = f"| {name} | not measured: {_line(error)} |"
         return why + " |" * 7, [why + " |" * columns]
     finally:
         adapter.close()
@@ -209,7 +256,7 @@ def _near_row(name: str, adapter: geometry.Adapter, values: geometry.Floats) -> 
     try:
         found = geometry.measured(adapter, values)
     except AdapterError as error:
-        return f"| {name} | not measured: {_first_line(error)} | | | | | | | |"
+        return f"| {name} | not measured: {_line(error)} | | | | | | | |"
     return (
         f"| {name} | {found.mean:.4f} | {found.worst:.3f} | {found.astray:,} "
         f"| {found.shapes.median:.1f}° | {found.shapes.thin:.1%} | {found.crossing:,} "
@@ -217,22 +264,27 @@ def _near_row(name: str, adapter: geometry.Adapter, values: geometry.Floats) -> 
     )
 
 
-def _first_line(error: AdapterError) -> str:
-    """What went wrong, in a line that fits a table."""
-    return str(error).splitlines()[0].replace("|", "/")
+def _line(told: object) -> str:
+    """What is told, in a line that fits a table."""
+    return (str(told).splitlines() or [""])[0].replace("|", "/")
 
 
-def _order_rows(name: str, found: dict[str, list[Finding]], columns: int) -> list[str]:
+def _order_rows(name: str, found: dict[str, dict[str, Finding] | str]) -> list[str]:
     """A line a shape with the orders of each claim, or one that says why there are none."""
-    if not found:
-        return [f"| {name} | declared without linear crossings, or no mesh |{' |' * columns}"]
     rows = []
-    for i, shape in enumerate(("spheres", "tori")):
-        entries = [
-            "{} ({} to {})".format(f.numbers["order"], *f.numbers["interval"])
-            if "order" in f.numbers
-            else f.detail
-            for f in (findings[i] for findings in found.values())
-        ]
+    for shape, findings in found.items():
+        if isinstance(findings, str):
+            entries = [_line(findings), *[""] * (len(geometry.CLAIMS) - 1)]
+        else:
+            entries = [_order(findings.get(claim.id)) for claim in geometry.CLAIMS]
         rows.append(f"| {name} | {shape} | {' | '.join(entries)} |")
     return rows
+
+
+def _order(finding: Finding | None) -> str:
+    """The order of a claim with its interval; else what the claim says; empty if it is not made."""
+    if finding is None:
+        return ""
+    if "order" in finding.numbers:
+        return "{} ({} to {})".format(finding.numbers["order"], *finding.numbers["interval"])
+    return "exact" if finding.verdict == Verdict.PASS else _line(finding.detail)

@@ -8,12 +8,14 @@ side they have no tunnel, and nothing need be drawn on a face they share.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+from isograde.adapters import open_adapter
 from isograde.cases import trilinear_cells
 from isograde.cases.trilinear_cells import TUNNELS
-from isograde.model import Adapter, AdapterError, Request
+from isograde.model import Adapter, AdapterError, Declaration, Limits, Outcome, Request
 from isograde.oracles.complexes import Complex
 from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import cells
@@ -24,7 +26,36 @@ Floats = NDArray[np.float64]
 
 REFERENCE = "isoref:trilinear-cubes"
 # MeshLab takes small fields only; manifold3d's lattice is finer than ours.
-SIDES = {"pymeshlab": 2, "manifold3d": 5}
+SIDES = {"pymeshlab": 2, "pymeshlab:raw": 2, "manifold3d": 5}
+# MeshLab's filter leaves the last two layers of cells along each axis out, where nobody mends it.
+MARGINS = {"pymeshlab:raw": 2}
+
+
+@dataclass(frozen=True)
+class WithMargin:
+    """An adapter that is given each field with its last layer of samples repeated."""
+
+    adapter: Adapter
+    layers: int
+
+    def open(self, limits: Limits) -> Declaration:
+        """What the implementation declares."""
+        return self.adapter.open(limits)
+
+    def run(self, request: Request) -> Outcome:
+        """The outcome on the larger field."""
+        wide = np.pad(request.field.values, (0, self.layers), mode="edge")
+        return self.adapter.run(replace(request, field=Field.of(wide)))
+
+    def close(self) -> None:
+        """Stop the implementation."""
+        self.adapter.close()
+
+
+def posed_to(name: str) -> Adapter:
+    """The adapter of this implementation, with a margin where it needs one."""
+    layers = MARGINS.get(name, 0)
+    return WithMargin(open_adapter(name), layers) if layers else open_adapter(name)
 
 
 def side_of(name: str) -> int:

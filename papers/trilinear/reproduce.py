@@ -3,8 +3,9 @@
 Run it from anywhere: ``python papers/trilinear/reproduce.py``. It writes the reports
 reports/papers/trilinear.md and trilinear/implementations.md, and pictures beside them; ``--part``
 writes one of the two. Real volumes are looked for in the folder that
-ISOGRADE_DATA names; libraries that are not installed get a row that says so. The whole takes some
-ten minutes on an idle core; ``--quick`` uses a twentieth of the cells and says so.
+ISOGRADE_DATA names; libraries that are not installed get a row that says so. The cells take some
+ten minutes on an idle core, the implementations an hour or more: ``--resume FOLDER`` goes on where
+it was cut off. ``--quick`` uses a twentieth of the cells and says so.
 """
 
 from __future__ import annotations
@@ -67,12 +68,15 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2, help="how many processes, default 2")
     told = "which page to write, default both: cells (the truth, and isoref), implementations"
     parser.add_argument("--part", choices=("cells", "implementations"), help=told)
+    told = "keep each implementation's answers here and ask none again that is there; begin a new "
+    told += "folder after a change of the code"
+    parser.add_argument("--resume", type=Path, metavar="FOLDER", help=told)
     options = parser.parse_args()
     share = 20 if options.quick else 1
     if options.part != "implementations":
         write_cells(options.out, share, options.jobs)
     if options.part != "cells":
-        write_implementations(options.out, share, options.jobs)
+        write_implementations(options.out, share, options.jobs, options.resume)
 
 
 def write_cells(out: Path, share: int, jobs: int) -> None:
@@ -89,12 +93,12 @@ def write_cells(out: Path, share: int, jobs: int) -> None:
     _write(out / "trilinear.md", "The topology of the trilinear interpolant", [*opening, *parts])
 
 
-def write_implementations(out: Path, share: int, jobs: int) -> None:
+def write_implementations(out: Path, share: int, jobs: int, kept: Path | None) -> None:
     """The page that asks every implementation is written; every share-th cell."""
     limits = (2, 3, 4, 6) if share == 1 else (4, 8)
     with ProcessPoolExecutor(jobs) as pool:
-        compared = libraries.compared(agreement.posed(share), limits, pool)
-        parts = [*compared, *libraries.beside_topology(pool)]
+        found = libraries.answered(agreement.posed(share), limits, pool, kept)
+    parts = [*libraries.compared(found), *libraries.beside_topology(found)]
     opening = [OPENING_OF_IMPLEMENTATIONS, *quick(share)]
     title = "Implementations beside the trilinear interpolant"
     _write(out / "trilinear" / "implementations.md", title, [*opening, *parts])

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import posing
-from isograde.adapters import open_adapter
 from isograde.cases import trilinear_cells
 from isograde.cases.trilinear_cells import TUNNELS
 from isograde.claims.cells import on_cell_edges
@@ -52,7 +51,7 @@ def checkered_cells(limit: int, seed: int) -> posing.Floats:
 
 def smallest_failures(name: str, limits: Iterable[int] = range(2, 13)) -> list[Smallest]:
     """For each fault the implementation has, the cell of least numbers found."""
-    adapter = open_adapter(name)
+    adapter = posing.posed_to(name)
     best: dict[str, tuple[tuple[float, ...], Smallest]] = {}
     try:
         if not on_cell_edges(adapter.open(Limits(seconds=120))):
