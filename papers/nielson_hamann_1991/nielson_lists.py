@@ -28,6 +28,12 @@ from isoref.cycles import cycles, share_face
 
 HERE = Path(__file__).parent
 SLIPS = {10: (1,), 11: (1,), 9: (0,)}
+PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
+# What section 3 replaces for the other diagonal of 3B, and by what.
+OTHER_DIAGONAL: tuple[str, str] = (
+    PRINTED["other diagonal of 3B"]["replace"],
+    PRINTED["other diagonal of 3B"]["by"],
+)
 MOST_SLIPS = 5
 
 Numbers = tuple[int, ...]
@@ -153,14 +159,12 @@ def check(name: str, text: str) -> Checked:
 
 def check_all() -> list[Checked]:
     """Every list of section 3."""
-    lists = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))["triangulations"]
-    return [check(name, text) for name, text in lists.items()]
+    return [check(name, text) for name, text in PRINTED["triangulations"].items()]
 
 
 def barred_edges() -> tuple[list[Numbers], list[Pair]]:
     """The edges section 3 does not allow in Figure 12, as scanned, and as derived."""
-    text = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
-    printed = read_list(text["edges not allowed in Figure 12"])
+    printed = read_list(PRINTED["edges not allowed in Figure 12"])
     (polygon,) = polygons_of("10B")
     derived = {
         frozenset(pair)

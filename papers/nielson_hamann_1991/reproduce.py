@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from itertools import product
 from pathlib import Path
 
+import nielson_words as words
 import numpy as np
 from isograde.cases import nielson_hamann
 from isograde.cases.volumes import REGISTRY, Volume, find, load
@@ -25,15 +26,20 @@ from isoref.fast.sweep import sweep
 from isoref.field import Field, Floats
 from isoref.mesh import Mesh
 from nielson_figures import SKULL, caption, draw_all
-from nielson_lists import Checked, barred_edges, check_all, polygons_of, shown
+from nielson_lists import (
+    OTHER_DIAGONAL,
+    Checked,
+    barred_edges,
+    check_all,
+    polygons_of,
+    shown,
+)
 from nielson_table1 import PRINTED, ROWS, faces, printed_column, table, variants
 
 REPORTS = Path(__file__).parent.parent.parent / "reports" / "papers"
 NAME = "nielson_hamann_1991"
-NOTES = {("Example 2", "9"): "two digits swapped: 304 does not make the column sum to its voxels"}
 # Meshes of this many triangles and more are not turned edge by edge.
 LARGE = 100_000
-IMPOSSIBLE = ("13C", "13E", "13G")
 
 
 def examples() -> dict[str, tuple[Field, float]]:
@@ -48,32 +54,35 @@ def table_of(example: str, field: Field, isovalue: float) -> Table:
     """A column of Table 1 beside the count, its sum last."""
     printed, ours = printed_column(example), table(variants(field, isovalue))
     found = Table(f"Table 1, {example}, isovalue {isovalue}")
+    voxels = voxels_of(example)
+    notes = words.misprints(printed, ours, voxels)
     for row in ROWS:
-        found.add(row, printed[row], ours[row], note=NOTES.get((example, row), ""))
-    voxels = int(np.prod(PRINTED["voxels"][example]))
+        found.add(row, printed[row], ours[row], note=notes.get(row, ""))
     found.add("sum of the column", voxels, sum(ours.values()), note="the paper's number of voxels")
-    found.add(
-        "sum of the printed column",
-        voxels,
-        sum(printed.values()),
-        note=NOTES.get((example, "9"), ""),
-    )
+    note = "; ".join(notes.values())
+    found.add("sum of the printed column", voxels, sum(printed.values()), note=note)
     return found
+
+
+def voxels_of(example: str) -> int:
+    """The number of voxels of the lattice that the paper gives."""
+    return int(np.prod(PRINTED["voxels"][example]))
 
 
 def first_example() -> Table:
     """What can be checked of Example 1, whose data is not public."""
     printed = printed_column("Example 1")
     found = Table("Table 1, Example 1 (its data is not public)")
-    voxels = int(np.prod(PRINTED["voxels"]["Example 1"]))
+    voxels = voxels_of("Example 1")
     found.add("sum of the column", voxels, sum(printed.values()), note="its 69 x 65 x 65 voxels")
     return found
 
 
 def isovalues_that_fit(example: str, field: Field, around: float, step: float) -> list[float]:
-    """Isovalues at which every row but those with a note is as printed."""
-    printed = printed_column(example)
-    rows = [row for row in ROWS if (example, row) not in NOTES]
+    """Isovalues at which every row but a misprint is as printed."""
+    printed, ours = printed_column(example), table(variants(field, around))
+    wrong = words.misprints(printed, ours, voxels_of(example))
+    rows = [row for row in ROWS if row not in wrong]
     tried = [round(around + i * step, 7) for i in range(-30, 31)]
     return [a for a in tried if agrees(table(variants(field, a)), printed, rows)]
 
@@ -100,10 +109,13 @@ def isovalue_text() -> str:
             "",
         ]
     field, isovalue = examples()["Example 2"]
-    ours = table(variants(with_factor_75(field), isovalue))
+    column = printed_column("Example 2")
+    printed, ours = (table(variants(f, isovalue)) for f in (with_factor_75(field), field))
+    right, as_printed = (sum(t[row] == column[row] for row in ROWS) for t in (ours, printed))
     return "\n".join(lines) + (
-        f"\nWith the factor 75 of Example 2 as printed, {ours['0']:,} cells are of configuration 0 "
-        f"and {ours['1']:,} of configuration 1, at {isovalue}: the factor is .75.\n"
+        f"\nWith the factor 75 of Example 2 as printed, {printed['0']:,} cells are of "
+        f"configuration 0 and {printed['1']:,} of configuration 1, at {isovalue}, and the counts "
+        f"are {words.factor(right, as_printed, len(ROWS))}.\n"
     )
 
 
@@ -161,17 +173,19 @@ def triangles_text() -> list[Table | str]:
         "## Section 4: the cost of the modifications",
         "",
         "Triangles and seconds of the drawings of 1987 and of the asymptotic decider on the same "
-        f"volume, and of the decider with Choi's criterion on the smaller ones (diagonals, "
-        "`isoref.diagonals`: as many triangles; mean angle between neighbours with the table's "
-        f"diagonals, then with his: the criterion looks at one edge, not at its neighbours). Least "
-        f"CPU seconds of three runs in turn, load {os.getloadavg()[0]:.1f} on "
-        f"{os.cpu_count()} processors.",
+        "volume, and of the decider with Choi's criterion on the smaller ones "
+        "(`isoref.diagonals`): the mean angle between neighbours with the table's diagonals, then "
+        "with his. Least CPU "
+        f"seconds of three runs in turn, load {os.getloadavg()[0]:.1f} on {os.cpu_count()} "
+        "processors.",
         "",
         "| volume | triangles, 1987 | decider | more | time, decider / 1987 | mean angle, table "
         "| mean angle, Choi |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
-    more = []
+    more: list[float] = []
+    same: list[bool] = []
+    smaller: list[bool] = []
     volumes = [(v.name, a, load(v.name)) for v, a in present()]
     analytic = [(name, a, field) for name, (field, a) in examples().items()]
     for name, isovalue, field in [*analytic, *volumes]:
@@ -181,7 +195,10 @@ def triangles_text() -> list[Table | str]:
         angles = ["", ""]
         if new < LARGE:
             chosen = diagonals.extract(asymptotic_decider.RULE, field, isovalue)
-            angles = [f"{mean_bend(mesh):.2f}°" for mesh in (meshes[1], chosen)]
+            bends = [mean_bend(mesh) for mesh in (meshes[1], chosen)]
+            angles = [f"{bend:.2f}°" for bend in bends]
+            same.append(len(chosen.simplices) == new)
+            smaller.append(bends[1] < bends[0])
         lines.append(
             f"| {name} {isovalue:g} | {old:,} | {new:,} | {more[-1]:+.2f} % "
             f"| {seconds[1] / seconds[0]:.2f} | {' | '.join(angles)} |"
@@ -189,7 +206,7 @@ def triangles_text() -> list[Table | str]:
     table = Table('Section 4: "no significant effect on the total number of triangles"')
     table.add("least change in triangles, per cent", None, round(min(more), 3))
     table.add("largest change in triangles, per cent", None, round(max(more), 3))
-    return ["\n".join(lines) + "\n", table]
+    return ["\n".join([*lines, "", words.by_choi(same, smaller)]) + "\n", table]
 
 
 def timed(field: Field, isovalue: float) -> tuple[list[Mesh], list[float]]:
@@ -223,8 +240,8 @@ def thirteen_text(full: list[Counter[str]]) -> str:
     listed = ", ".join(f"{name} {count}" for name, count in cells.items() if count)
     return (
         f"Cells of configuration 13 in these volumes: {listed or 'none'}. 13K, for which the paper "
-        f"has no letter, occurs {cells['13K']} times; 13C, 13E and 13G together "
-        f"{sum(cells[name] for name in IMPOSSIBLE)} times.\n"
+        f"has no letter, occurs {cells['13K']} times; those that no values have (below), together "
+        f"{sum(cells[name] for name in words.barred())} times.\n"
     )
 
 
@@ -268,13 +285,9 @@ def lists_text(checked: list[Checked]) -> str:
     lines += [
         "",
         "Edges not allowed in Figure 12, as scanned: " + ", ".join(map(shown, printed)) + ".",
-        "Derived: "
-        + ", ".join(map(shown, derived))
-        + ". The scan's e10e10 is e1e10, and its e10e5 "
-        "is e1e5.",
+        f"Derived: {', '.join(map(shown, derived))}. {words.slips_of_the_scan(printed, derived)}",
         "",
-        "The other diagonal of 3B: the text replaces e4e9e3 and e3e9e12 by twice e4e9e12. The "
-        "quadrilateral is e4e9e12e3, so the second must be e4e12e3.",
+        words.other_diagonal(*OTHER_DIAGONAL),
     ]
     return "\n".join(lines) + "\n"
 
@@ -287,18 +300,16 @@ def formula_table() -> Table:
     at_saddle = (1 - S) * ((1 - T) * a + T * d) + S * ((1 - T) * b + T * c)
     found = Table("B(S, T) of the face B00 = 1, B10 = -1.5, B11 = 2, B01 = -0.25")
     D = a + c - b - d
-    found.add(
-        "(B00 B11 + B10 B01) / D, as scanned",
-        (a * c + b * d) / D,
-        float(at_saddle),
-        tolerance=1e-12,
-    )
-    found.add("(B00 B11 - B10 B01) / D", (a * c - b * d) / D, float(at_saddle), tolerance=1e-12)
+    for what, by_formula in (
+        ("(B00 B11 + B10 B01) / D, as scanned", (a * c + b * d) / D),
+        ("(B00 B11 - B10 B01) / D", (a * c - b * d) / D),
+    ):
+        found.add(what, None, float(at_saddle), expected=by_formula, tolerance=1e-12)
     return found
 
 
 def reachable() -> str:
-    """Which variants of 13 random values reach, and why three are out of reach."""
+    """Which variants of 13 random values reach, and why others are out of reach."""
     signs = np.array([1 if sum(c) % 2 else -1 for c in product((0, 1), repeat=3)])
     values: Floats = np.random.default_rng(13).exponential(size=(20, 20, 20, 8)) ** 2 * signs
     found: Counter[str] = Counter()
@@ -307,11 +318,8 @@ def reachable() -> str:
     names = ", ".join(f"{name} {found[name]:,}" for name in VARIANTS if found[name])
     return (
         "## Configuration 13\n\n"
-        f"{sum(found.values()):,} random cells: {names}. Never 13C, 13E or 13G: a separated pair "
-        "of opposite faces puts the product of the four inside values below that of the outside "
-        "values, a joined pair does not, so no values have one pair of each. 13K (three separated "
-        "faces that meet in a marked corner) is missing in section 3, which counts two classes "
-        "with three separated faces where there are four under rotation.\n"
+        f"{sum(found.values()):,} random cells: {names}. {words.reached(found)} "
+        f"{words.unlettered(found)}\n"
     )
 
 

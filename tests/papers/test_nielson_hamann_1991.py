@@ -172,6 +172,77 @@ def test_the_value_at_the_saddle_has_a_minus_where_the_scan_has_a_plus(
     assert [row.differs for row in rows] == [True, False]
 
 
+# The sentences of the report follow from the results they are given
+
+
+def test_a_note_on_a_misprint_needs_a_misprint(module: Callable[[str], Any]) -> None:
+    """None where two rows differ, or where the column sums as printed."""
+    table1, misprints = module("nielson_table1"), module("nielson_words").misprints
+    printed = table1.printed_column("Example 2")
+    right = {**printed, "9": 340}
+    assert misprints(printed, right, 291_525)["9"].startswith("two digits swapped: 304")
+    assert misprints(printed, {**right, "8": 905}, 291_525) == {}
+    assert misprints(printed, right, 291_489) == {}
+    other = misprints({**printed, "9": 300}, right, 291_525)
+    assert other == {"9": "300 does not make the column sum to its voxels"}
+
+
+def test_which_factor_it_is_depends_on_the_rows(module: Callable[[str], Any]) -> None:
+    """As many rows, fewer, more."""
+    factor = module("nielson_words").factor
+    assert factor(20, 15, 21).endswith("the factor is .75")
+    assert factor(15, 20, 21).endswith("the factor is 75")
+    assert factor(15, 15, 21).endswith("neither is nearer")
+
+
+def test_the_reason_is_given_only_for_variants_that_cannot_be(module: Callable[[str], Any]) -> None:
+    """13C, 13E and 13G; with 13A absent too, or 13C there, it is another sentence."""
+    reached = module("nielson_words").reached
+    found = Counter({name: 1 for name in decider.VARIANTS if name not in ("13C", "13E", "13G")})
+    assert reached(found).startswith("Never 13C, 13E or 13G: a separated pair")
+    assert "cannot" not in reached(found)
+    assert reached(found - Counter({"13A": 1})) == (
+        "Never 13A, 13C, 13E or 13G; of these, and of those that do occur, no values can have: "
+        "13C, 13E, 13G."
+    )
+    assert reached(Counter(decider.VARIANTS.keys())) == "Every variant of 13 occurs."
+
+
+def test_variants_without_a_letter_are_counted(module: Callable[[str], Any]) -> None:
+    """13K, and as many times as it was found."""
+    told = module("nielson_words").unlettered(Counter({"13K": 1363}))
+    assert told.startswith("Variants that section 3 has no letter for: 13K (1,363 times). It ")
+    assert "2 classes with three separated faces where there are 4" in told
+
+
+def test_slips_of_the_scan_are_those_that_one_slip_explains(module: Callable[[str], Any]) -> None:
+    """With e7e10 derived, e10e5 is not explained; with all derived, nothing is wrong."""
+    words, lists = module("nielson_words"), module("nielson_lists")
+    printed, derived = lists.barred_edges()
+    told = words.slips_of_the_scan(printed, derived)
+    assert told == "The scan's e10e10 is e1e10, and its e10e5 is e1e5."
+    other = [edge for edge in derived if edge != frozenset((1, 5))]
+    assert "e10e5 is not explained" in words.slips_of_the_scan(printed, other)
+    every = [frozenset(edge) for edge in printed]
+    assert words.slips_of_the_scan(printed, every) == "The scan has them all."
+
+
+def test_the_other_diagonal_is_right_if_both_triangles_are_there(
+    module: Callable[[str], Any],
+) -> None:
+    """As printed one is there twice."""
+    other = module("nielson_words").other_diagonal
+    printed = other(*module("nielson_lists").OTHER_DIAGONAL)
+    assert printed.endswith("is e4e12, so that e3e4e12 must be among these.")
+    assert other("e4e9e3, e3e9e12", "e4e9e12, e12e3e4").endswith("e4e12, and so do these.")
+
+
+def test_what_choi_changes_is_counted(module: Callable[[str], Any]) -> None:
+    """As many triangles on two of three volumes, a smaller angle on one."""
+    told = module("nielson_words").by_choi([True, False, True], [False, True, False])
+    assert "as many triangles on 2 of 3 volumes, and the mean angle is smaller on 1:" in told
+
+
 # The figures
 
 
