@@ -203,6 +203,20 @@ def lifted_spindle() -> Example:
     return Example(phi, low, high, slopes)
 
 
+def spindle_constants(places: int = 100_001) -> Floats:
+    """(3,) the largest sum of slopes at one place of each equation of the lifted spindle.
+
+    By its formula on so many values of the angle from the axis; the worst angle about the axis is
+    known: ``|a cos t| + |b sin t|`` is at most the root of a^2 + b^2.
+    """
+    polar = np.linspace(0, pi, places)
+    cos, sin = np.cos(polar), np.sin(polar)
+    turn = 2 * cos**2 * sin
+    rise = 2 * cos**3 - 4 * cos * sin**2
+    about = 1 + np.hypot(turn, rise).max()
+    return np.array([about, about, 1 + np.abs(6 * cos**2 * sin).max()])
+
+
 def complex_circle(half: float = 1.5) -> Example:
     """Section 7.4: z1^2 + z2^2 = 1 in C^2 = R^4 with coordinates x, y, p, q; m = 2.
 

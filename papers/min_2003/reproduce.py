@@ -20,6 +20,7 @@ import min_examples as examples
 import min_growth as growth
 import min_pictures as pictures
 import min_sections as counts
+import min_words as words
 import numpy as np
 from isograde.oracles import complexes as oracle
 from isograde.oracles.covering import covered, inner_open_facets
@@ -138,10 +139,20 @@ def sections(folder: Path, small: bool) -> Iterator[Table | str]:
     bad = sum(induced("printed", 3, 3, 1, k) == ours for k in range(3))
     yield (
         f"Rows (4, 2) of Table 4 leave rows (3, 2) of Table 3 on {good} of their 4 facets of that"
-        f" type, rows (3, 3) on {bad} of 3. Made by Delaunay from a section whose values grow along"
-        " the order of the vertices (`isoref.simplex_section.delaunay`), the tables agree, and are"
-        " the staircase: the recipe of section 3 is sound where the section is chosen well.\n"
+        f" type, rows (3, 3) on {bad} of 3. {words.recipe(*delaunay_tables())}\n"
     )
+
+
+def delaunay_tables() -> tuple[list[int], bool]:
+    """Facets that Delaunay's tables cut unlike, n = 2 .. 7; whether all are the staircase."""
+    every = range(2, 8)
+    same = all(
+        {frozenset(map(tuple, row)) for row in RULES["delaunay"](p, q).tolist()}
+        == {frozenset(map(tuple, row)) for row in RULES["staircase"](p, q).tolist()}
+        for n in every
+        for p, q in section_types(n)
+    )
+    return [disagreements("delaunay", n)[0] for n in every], same
 
 
 def counted(mesh: Mesh) -> oracle.Complex:
@@ -184,8 +195,7 @@ def table_7_by_rules(folder: Path, small: bool) -> Iterator[Table | str]:
     nearer = sum(abs(a - b) < abs(a - c) for a, b, c in found)
     lines += [
         "",
-        f"The printed tables are nearer to the paper's counts at {nearer} of {len(sizes)} sizes. "
-        "These samples are full of exact zeros, each of which leaves flat triangles.",
+        f"The printed tables are nearer to the paper's counts at {nearer} of {len(sizes)} sizes.",
     ]
     yield "\n".join(lines) + "\n"
 
@@ -193,6 +203,7 @@ def table_7_by_rules(folder: Path, small: bool) -> Iterator[Table | str]:
 def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
     """The conformity check on meshes: facets met by two different cuts."""
     rows, alone_in_5 = [], {"printed": 0, "staircase": 0}
+    found: list[tuple[tuple[int, int], str, int, int, str]] = []
     for n, m in ((3, 1), (4, 1), (5, 1), (5, 2), (5, 3)):
         shape = (3, 3, 3, 2, 2)[:n] if small else (4, 4, 3, 3, 2)[:n]
         values = np.random.default_rng(n).normal(size=(m, *shape))
@@ -205,19 +216,16 @@ def conformity(folder: Path, small: bool) -> Iterator[Table | str]:
             volume = float(counted(mesh).measure)
             every = len(counted(mesh).facets.uses)
             alone_in_5[rule] += len(alone) if n == 5 else 0
-            rows.append(
-                [n, m, rule, len(mesh.simplices), every, len(alone), doubled, f"{volume:.9g}"]
-            )
+            found.append(((n, m), rule, len(alone), doubled, f"{volume:.9g}"))
+            rows.append([n, m, rule, len(mesh.simplices), every, *found[-1][2:]])
     yield "## The conformity check: random samples, facets away from the border\n"
     yield rows_of(
         ["n", "m", "rule", "simplices", "facets", "with one simplex", "of these covered", "volume"],
         rows,
     )
     yield (
-        "A facet with one simplex that is *covered* lies on facets of another cut of the same"
-        " face: there is no gap, the volume is the same, but the union is no simplicial complex."
-        f" In dimension 5 the printed tables leave {alone_in_5['printed']:,} facets with one"
-        f" simplex, the staircase {alone_in_5['staircase']:,}.\n"
+        f"{words.no_gap(found)} In dimension 5 the printed tables leave {alone_in_5['printed']:,}"
+        f" facets with one simplex, the staircase {alone_in_5['staircase']:,}.\n"
     )
 
 
@@ -294,12 +302,7 @@ def table_5(sizes: list[int], uniform: list[Any], paper: dict[int, Any]) -> Iter
         table, "total space, the paper's numbers", sizes, [paper[N][5] for N in sizes], 3
     )
     yield table
-    yield (
-        "The samples of phi are two 8-byte numbers each, on N^3 and not (N+1)^3 of them. The curve"
-        " should take twice the bytes each time; the printed 71,630 for N = 256 is far below twice"
-        " 48,012, and three of the four are no multiple of the 24 bytes that a segment takes in"
-        " Table 6.\n"
-    )
+    yield words.table_5(list(paper.values()), SEGMENT_BYTES) + "\n"
 
 
 def table_6(sizes: list[int], dyadic: list[Any], paper: dict[int, Any]) -> Iterator[Table | str]:
@@ -340,13 +343,8 @@ def table_6(sizes: list[int], dyadic: list[Any], paper: dict[int, Any]) -> Itera
     }
     if len(sizes) > 2:
         yield growth.laws("Table 6: N or N log N", sizes, counted, 1)
-    yield (
-        "A segment takes 24 bytes, two points of three 4-byte numbers: so the curve of N = 256 is"
-        " the paper's to the byte. Our bytes of phi count 16 for each distinct corner of a box of"
-        " the tree, with the paper's bound. How the paper's tree is stored is not told; its sizes"
-        " are 72 + 192 k, 24 bytes for each of the 8 parts of a box. Our times at small N are the"
-        " fixed cost of NumPy calls, so the exponent is fitted where work outweighs them.\n"
-    )
+    curves = {N: row[1] * SEGMENT_BYTES for N, row in zip(sizes, dyadic, strict=True)}
+    yield words.table_6(paper, curves, SEGMENT_BYTES) + "\n"
 
 
 def helix_pictures(folder: Path, example: examples.Example) -> Iterator[str]:
@@ -412,16 +410,16 @@ def leaf(folder: Path, small: bool) -> Iterator[Table | str]:
     leaf_pictures(folder, meshes, large_lifted)
     yield f"## Section 7.2: a singular curve and its lift, N = {N}\n"
     yield rows_of(["square", "curve", "segments", "pieces", "ends"], rows)
-    lifted, flat = told[square, "lifted, projected"], told[square, "level set, by the whole angle"]
-    cut = told["printed", "level set, by the whole angle"]
+    (lifted, _), (flat, _) = (
+        told[square, name] for name in ("lifted, projected", "level set, by the whole angle")
+    )
+    rim = counted(curve).facets
+    angles = curve.vertices[rim.rows[rim.uses == 1].reshape(-1), 2].tolist()
     yield (
-        "The printed square is [-1, 1]^2, a_i = -1 + 2 i / N for i from 1 to N, but the curve"
-        f" r = 1 + sin(7 theta) reaches r = 2: there the level set has {cut[1]} ends, where leaves"
-        " are cut off. Letter for letter psi has arctan(y / x), which is the angle on the right"
-        " half only; on the left half sin(7 theta) changes its sign, and other leaves are drawn. On"
-        f" {square} the lifted curve has {lifted[0]} piece(s) and {lifted[1]} ends, those at"
-        f" theta = 0 and 2 pi; the level set has {flat[0]} pieces, as its lattice has it at the"
-        " origin, where 14 branches meet.\n"
+        f"{words.leaves_cut_off(told['printed', 'level set, by the whole angle'][1])} Letter for"
+        " letter psi has arctan(y / x), which is the angle on the right half only; on the left half"
+        " sin(7 theta) changes its sign, and other leaves are drawn."
+        f" {words.lifted_leaf(square, lifted, angles, flat)}\n"
     )
     yield "![Figures 7 and 8: level sets, the lifted curve flat and in space](min_2003/leaf.png)\n"
 
@@ -495,16 +493,11 @@ def spindle(folder: Path, small: bool) -> Iterator[Table | str]:
     known.add("Euler characteristic", None, euler, expected=1)
     known.add("open edges away from the border", None, holes, expected=0)
     yield known
-    first, step = 6 * 24, 32 * 24
-    parts = [f"{(paper[N][1] - first) / step:,.10g}" for N in sizes]
+    columns = ([paper[N][i] for N in sizes] for i in (1, 3))
     yield (
-        f"The sizes of phi in Table 7 are {first} + {step} k, with k = {'; '.join(parts)}: as in"
-        " Table 6, 24 bytes for each part of a box, of which there are 32 in R^5."
-        " All sizes of the surface are multiples of 72 bytes: a triangle is three points"
-        " and three normals in space, in 4-byte numbers. Section 7.3 writes phi into R^2 and lists"
+        f"{words.table_7(*columns, TRIANGLE_BYTES)} Section 7.3 writes phi into R^2 and lists"
         " three equations: m = 3. Its psi has the angle about the axis where the angle from the"
-        " axis is meant. The constant 3.5 is safe: in the maximum norm the true one is"
-        f" 1 + 4 / sqrt 3 = {1 + 4 / 3**0.5:.4g}, from the third equation.\n"
+        f" axis is meant. {words.constant(TABLES['constant_7_3'], examples.spindle_constants())}\n"
     )
     yield (
         f"Figure 9 below is drawn for N = {shown_at} as the paper's: the level set on the printed"
@@ -637,10 +630,7 @@ def spheres(folder: Path, small: bool) -> Iterator[Table | str]:
     spans = [(float(error.min()), float(error.max())) for _, error in off.values()]
     yield (
         "On the right every vertex of every N: its distance from the exact sphere over the square"
-        f" of the cell's edge. It is between {min(low for low, _ in spans):.2f} and"
-        f" {max(high for _, high in spans):.2f}, whatever N: second order point by point. Of"
-        f" {every:,} vertices {outside} are outside the sphere: phi is convex, so that its"
-        " interpolant lies above it.\n"
+        f" of the cell's edge. {words.of_second_order(spans)} {words.outside(outside, every)}\n"
     )
 
 

@@ -165,3 +165,92 @@ def test_the_papers_own_tables_come_nearer_to_table_7(
     assert "| 0.9692 | 0.9354 |" in text
     assert "| 0.9760 | 0.9519 |" in text
     assert "at 2 of 2 sizes" in text
+
+
+# The sentences of the report follow from the results they are given
+
+
+def test_the_recipe_is_called_sound_only_where_its_tables_agree(
+    module: Callable[[str], Any],
+) -> None:
+    """No pair of facets cut unlike; and whether the tables are the staircase."""
+    recipe = module("min_words").recipe
+    assert "agree, and are the staircase: the recipe of section 3 is sound" in recipe([0, 0], True)
+    assert "agree, and are not the staircase" in recipe([0, 0], False)
+    assert recipe([0, 3], True).endswith("disagree on 3 pairs of facets too.")
+    assert module("reproduce").delaunay_tables() == ([0] * 6, True)
+
+
+def test_a_gap_is_no_gap_only_where_all_is_covered(module: Callable[[str], Any]) -> None:
+    """Open facets, those covered, and the volumes of both rules."""
+    no_gap = module("min_words").no_gap
+    rows = [((5, 1), "staircase", 0, 0, "80.6"), ((5, 1), "printed", 9, 9, "80.6")]
+    told = "face: there is no gap, the volume is the same, but the union is no simplicial complex."
+    assert no_gap(rows).endswith(told)
+    torn = [rows[0], (*rows[1][:3], 7, "80.6")]
+    assert "face: 2 are not covered, the volume is" in no_gap(torn)
+        [*rows[:1], (*rows[1][:3], 7, "80.6")]
+    )
+    assert "the volumes are not the same" in no_gap([rows[0], (*rows[1][:4], "80.7")])
+    assert no_gap(rows[:1]).endswith("the volume is the same.")
+
+
+def test_sentences_on_printed_bytes_follow_the_bytes(
+    module: Callable[[str], Any], printed: Any
+) -> None:
+    """Tables 5, 6 and 7 with one number changed say something else."""
+    words = module("min_words")
+    five = printed["table_5"]["rows"]
+    assert "grow by 2.11, 2.00 and 1.49, and 3 of the 4 are" in words.table_5(five, 24)
+    changed = [*five[:3], [256, 0, 0, 96_024, 2**28]]
+    assert "2.11, 2.00 and 2.00, and 2 of the 4 are" in words.table_5(changed, 24)
+    assert "not those of two 8-byte" in words.table_5([*five[:3], [256, 0, 0, 96_024, 7]], 24)
+    six = {row[0]: row for row in printed["table_6"]["rows"]}
+    met = words.table_6(six, {128: 49_032, 256: 97_776, 512: 97_776}, 24)
+    assert met.startswith("A segment takes 24 bytes")
+    assert "so the curve of N = 256 is the paper's to the byte" in met
+    assert "72 + 192 k, 24 bytes for each of the 8 parts" in met
+    assert "so no curve is met." in words.table_6(six, {256: 97_800}, 24)
+    odd = words.table_6({**six, 32: [32, 0, 0, 11_953, 69_385]}, {256: 97_776}, 24)
+    assert odd.startswith("Not all sizes")
+    assert "its sizes are not 72 + 192 k" in odd
+    seven = printed["table_7"]["rows"]
+    phi, surface = ([row[i] for row in seven] for i in (1, 3))
+    assert "k = 3,877; 15,391; 62,891; 263,854: as in" in words.table_7(phi, surface, 72)
+    assert "All sizes of the surface" in words.table_7(phi, surface, 72)
+    other = words.table_7([phi[0] + 1], [surface[0], surface[1] + 1], 72)
+    assert ", not all whole. 1 of 2 sizes of the surface" in other
+
+
+def test_sentences_on_the_leaf_follow_its_ends_and_pieces(module: Callable[[str], Any]) -> None:
+    """Two ends at 0 and 2 pi; others are only counted."""
+    words = module("min_words")
+    turn = 2 * np.pi
+    told = words.lifted_leaf("[-2, 2]^2", 1, [turn, 0.0], 5)
+    assert "1 piece(s) and 2 ends, those at theta = 0 and 2 pi; the level set has 5 pieces" in told
+    assert "2 ends; the" in words.lifted_leaf("[-2, 2]^2", 1, [turn, 0.1], 5)
+    assert "1 piece(s) and 0 ends; the level set has as many pieces, 1." in words.lifted_leaf(
+        "[-2, 2]^2", 1, [], 1
+    )
+    assert words.leaves_cut_off(14).endswith("the level set has 14 ends, where leaves are cut off.")
+    assert words.leaves_cut_off(0).endswith("there it has no end all the same.")
+
+
+def test_a_constant_is_safe_if_it_bounds_every_equation(module: Callable[[str], Any]) -> None:
+    """Section 7.3: 3.5 against 1 + 4 / sqrt 3, of the third equation."""
+    words, true = module("min_words"), module("min_examples").spindle_constants()
+    assert true[2] == pytest.approx(1 + 4 / 3**0.5)
+    told = (
+        "The constant 3.5 is safe: in the maximum norm the true one is 3.309, from equation 3 of 3."
+    )
+    assert words.constant(3.5, true) == told
+    assert "3.3 is too small" in words.constant(3.3, true)
+
+
+def test_errors_are_of_second_order_if_they_stay_of_one_size(module: Callable[[str], Any]) -> None:
+    """Over the square of the cell's edge; a sphere's vertices inside it."""
+    words = module("min_words")
+    assert words.of_second_order([(-0.59, -0.2), (-0.5, -0.15)]).endswith("point by point.")
+    assert words.of_second_order([(-0.59, -0.2), (-1.3, -0.2)]).endswith("grows or falls by N.")
+    assert "phi is convex" in words.outside(0, 100)
+    assert words.outside(3, 100) == "Of 100 vertices 3 are outside the sphere."
