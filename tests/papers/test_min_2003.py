@@ -189,8 +189,6 @@ def test_a_gap_is_no_gap_only_where_all_is_covered(module: Callable[[str], Any])
     assert no_gap(rows).endswith(told)
     torn = [rows[0], (*rows[1][:3], 7, "80.6")]
     assert "face: 2 are not covered, the volume is" in no_gap(torn)
-        [*rows[:1], (*rows[1][:3], 7, "80.6")]
-    )
     assert "the volumes are not the same" in no_gap([rows[0], (*rows[1][:4], "80.7")])
     assert no_gap(rows[:1]).endswith("the volume is the same.")
 
