@@ -24,6 +24,7 @@ import vesta_counts as counts
 import vesta_faces as faces
 import vesta_figures as figures
 import vesta_twelve as twelve
+import vesta_words as words
 from isograde.cases.volumes import REGISTRY, find, read
 from isograde.proof import prove
 from isograde.reproduction import Table, write_report
@@ -47,6 +48,7 @@ from isoref.methods import METHODS
 HERE = Path(__file__).parent
 PRINTED = json.loads((HERE / "tables.json").read_text(encoding="utf-8"))
 MODES = ("disconnect", "connect", "mixed")
+PAPER_TYPES = 14  # of cycles, Figs. 7 and 12
 Printed = dict[str, Any]
 BUNNY_ISOVALUE = 1807  # of the 12-bit scan; the paper's 150 of 8 bits
 
@@ -107,11 +109,13 @@ def census_report(folder: Path) -> list[Table | str]:
     every, uniform = census.types(), census.types(global_modes_only=True)
     averaged = census.types(averages_only=True)
     signatures = counts.all_signatures()
-    attained = sum(census.attainable(*s) for s in signatures)
+    left_out = Counter(
+        tuple(sorted(map(len, cycles(*s)))) for s in signatures if not census.attainable(*s)
+    )
     table = Table("The census of cycles (sections II.C and II.E)")
     table.add("types in a global mode (Fig. 7)", 9, len(uniform))
     table.add("longest cycle in a global mode", 7, max(map(len, uniform)))
-    table.add("types in mixed mode (Figs. 7, 12)", 14, len(averaged))
+    table.add("types in mixed mode (Figs. 7, 12)", PAPER_TYPES, len(averaged))
     table.add("types over all decisions", None, len(every))
     lengths = sorted({len(cycle) for cycle in every})
     table.add("lengths that occur", "3 4 5 6 7 8 9 12", " ".join(map(str, lengths)))
@@ -124,18 +128,15 @@ def census_report(folder: Path) -> list[Table | str]:
         found = counts.lengths({(signs, separated): 1 for signs in range(256)})
         for length, number in found.items():
             table.add(f"{length}-cycles over the 256 cells, {mode}", None, number)
+    sizes_of = [[len(cycle) for cycle in found] for found in (every, averaged)]
+    told = words.decisions(len(signatures), left_out, *sizes_of, PAPER_TYPES)
     figures.draw_types(folder / "cycles.svg", None)
     figures.draw_types(folder / "low.svg", "L", 3, 7)
     figures.draw_types(folder / "high.svg", "H")
     figures.draw_resolutions(folder / "resolutions.svg")
     return [
         table,
-        f"""There are {len(signatures)} ways to give a cell signs and decisions. The averages of
-four voxels reach {attained} of them: the averages of two opposite faces have the same sum for all
-three pairs, so not every set of decisions can be taken together. What they leave out
-are two of the three types of 12-cycle and the pair of 6-cycles that would touch in the middle of
-the cell. The paper's 14 types are therefore exactly those of its own mixed mode; a decider that
-looks at more than the average meets {len(every)}. Starred cells below need such a decider.
+        f"""{told}
 
 The types of cycle on their boundary face chains, Figs. 7 and 12. All faces of a chain have one
 corner in common, the middle of the cell; grey discs are the centres of active voxels:
@@ -199,12 +200,8 @@ def section_g(folder: Path) -> list[Table | str]:
     return [
         "\n".join(lines),
         table,
-        """The six are all the configurations with an ambiguous face. Configuration 10 is its own
-complement up to a rotation, and its inverted template still differs: what matters is which corners
-are cut apart, not which class the cell belongs to.
-
-![the hole of Fig. 25](schlei_2010/hole.svg)
-""",
+        words.differing(differ["connect"], differ["inverted disconnect"])
+        + "\n\n![the hole of Fig. 25](schlei_2010/hole.svg)\n",
     ]
 
 
@@ -604,10 +601,12 @@ def fireball_report(folder: Path) -> list[Table | str]:
     whole, kept = surface.mesh("H"), physical(surface, axes=(0, 1))
     triangles = physical_triangles(whole, axes=(0, 1))
     table = Table("The application: freeze-out at 139 MeV")
+    open_: dict[str, int] = {}
     for axis, name in enumerate(
         ("z-r planes at fixed t", "z-t planes at fixed r", "r-t planes at fixed z")
     ):
         problems = correspondence_problems(stacks[axis])
+        open_[name] = len(problems)
         note = "between " + ", ".join(f"{k} and {k + 1}" for k in problems) if problems else ""
         table.add(f"correspondence problems, {name}", None, len(problems), note=note)
     for length, number in surface.lengths.items():
@@ -628,9 +627,8 @@ def fireball_report(folder: Path) -> list[Table | str]:
     draw_hypersurface(folder / "freeze_out.png", whole, triangles)
     return [
         table,
-        """The field is `papers/schlei_2010/fireball.py`, a formula of our own with the topology
-change of the paper's Fig. 30. Stacking contours frame by frame leaves open which contour continues
-which where one becomes two; along r and z, and in three dimensions, nothing has to be matched.
+        f"""The field is `papers/schlei_2010/fireball.py`, a formula of our own with the topology
+change of the paper's Fig. 30. {words.stacked(open_)}
 
 Fig. 30: temperature and contours, frames 0 to 32, z to the right, r upwards:
 

@@ -148,7 +148,7 @@ def _by_island(rows: list[Agreement]) -> str:
         "## Agreement by case, as a whole\n\n"
         "The same cells amid low samples: a tick where components and Euler characteristic of the "
         "closed surface are right for all cells of the case, else for how many of how many. Every "
-        "implementation is in this table.\n\n" + _grouped(rows, _island_mark)
+        "implementation that answers is in this table.\n\n" + _grouped(rows, _island_mark)
     )
 
 

@@ -214,3 +214,25 @@ def test_the_set_becomes_cases_of_the_grader(few: Any, tmp_path: Path) -> None:
 
     found = verdicts(reference, Declaration("here", level=4), read, "topology.trilinear")
     assert set(found["topology.trilinear"]) == {Verdict.PASS}
+
+
+def test_meshlab_called_as_it_is_leaves_the_last_cells_out(posed: Any) -> None:
+    """Of 27 blocks it draws 8; with two layers of samples more, what the mended call draws."""
+    pytest.importorskip("pymeshlab")
+    values = np.random.default_rng(7).uniform(-1, 1, (27, 2, 2, 2))
+    truths = cells(values).euler
+    assert (truths != 0).all()
+    right = {}
+    for name, margin in (("pymeshlab:raw", 0), ("pymeshlab:raw", 2), ("pymeshlab", 0)):
+        adapter = open_adapter(name)
+        adapter.open(Limits(seconds=60))
+        try:
+            found = posed.right_cells(adapter, values, truths, 3, margin)
+        finally:
+            adapter.close()
+        right[name, margin] = found.reshape(3, 3, 3)
+    bare = right["pymeshlab:raw", 0]
+    assert bare[:2, :2, :2].all()
+    assert bare.sum() == 8
+    assert (right["pymeshlab:raw", 2] == right["pymeshlab", 0]).all()
+    assert posed.MARGINS == {"pymeshlab:raw": 2}

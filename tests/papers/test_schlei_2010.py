@@ -300,3 +300,45 @@ def test_the_figures_of_faces_are_those_of_the_algorithm(module: Callable[[str],
         assert (np.add(come, same) > 0).all() or (np.add(come, same) < 0).all()
         assert np.add(come, other).sum() == 0
     assert len(faces.five_cycle()[1]) == 5
+
+
+# The sentences of the report follow from the results they are given
+
+
+def test_what_averages_leave_out_is_counted(module: Callable[[str], Any]) -> None:
+    """Section II.E: with as many types as the paper has, and with one fewer."""
+    decisions = module("vesta_words").decisions
+    every, averaged = [3, 4, 12, 12, 12], [3, 4, 12]
+    told = decisions(100, Counter({(12,): 24, (6, 6): 12}), every, averaged, 3)
+    assert "\nfour voxels reach 64 of them" in told
+    assert "leave out 12 of 6+6 and 24 of 12; of types, 2 of the 3 types of 12-cycle. The" in told
+    assert "paper's 3 types are as many as those" in told
+    assert "average meets 5" in told
+    other = decisions(100, Counter(), every, every, 3)
+    assert "reach 100 of them" in other
+    assert "leave out" not in other
+    assert "paper's 3 types are not as many as those" in other
+
+
+def test_the_configurations_that_differ_are_named(module: Callable[[str], Any]) -> None:
+    """Section II.G: all with an ambiguous face; 10, 12 and 13 are their own complements."""
+    differing = module("vesta_words").differing
+    six = [3, 6, 7, 10, 12, 13]
+    told = differing(six, six)
+    assert told.startswith("Those that differ in connect are all configurations with an ambig")
+    assert "Configurations 10, 12 and 13 are their own complements up to a rotation" in told
+    told = differing(six[1:], [3, 10])
+    assert told.startswith("Those that differ in connect are 5 of the 6 configurations with")
+    assert "Configuration 10 is its own complement" in told
+    assert "complement" not in differing(six, [3])
+
+
+def test_what_stacked_contours_leave_open_is_named(module: Callable[[str], Any]) -> None:
+    """By planes: one with a problem, none, all."""
+    stacked = module("vesta_words").stacked
+    assert stacked({"a": 1, "b": 0, "c": 0}) == (
+        "Stacking contours leaves open which contour continues which, in a (1); in b and c, and in "
+        "three dimensions, nothing has to be matched."
+    )
+    assert stacked({"a": 0}).startswith("Stacking contours leaves nothing open here; in a, and")
+    assert stacked({"a": 2, "b": 1}).endswith("which, in a (2) and b (1).")

@@ -1,6 +1,7 @@
 """What the page on the trilinear interpolant says, checked on samples."""
 
 import json
+import re
 from collections import Counter
 from collections.abc import Callable
 from itertools import product
@@ -205,9 +206,10 @@ def test_orders_are_those_of_the_claims_on_spheres(
         found = geometry.orders(adapter, adapter.open(Limits()))
     finally:
         adapter.close()
-    assert "accuracy.position" in found
-    assert all(len(findings) == 1 for findings in found.values())
-    assert found["accuracy.position"][0].numbers["order"] > 1.8
+    assert list(found) == ["sphere"]
+    assert found["sphere"]["accuracy.position"].numbers["order"] > 1.8
+    (row,) = module("libraries")._order_rows("trilinear-cubes", found)
+    assert row.startswith("| trilinear-cubes | sphere | 1.9")
 
 
 @pytest.mark.slow
@@ -221,3 +223,70 @@ def test_the_report_can_be_made_again(module: Callable[[str], Any], tmp_path: Pa
     assert not checked.differing()
     module("figures").draw_tunnel(tmp_path / "tunnel.png")
     assert (tmp_path / "tunnel.png").stat().st_size < 300_000
+
+
+def test_what_is_kept_of_an_implementation_is_not_asked_again(
+    module: Callable[[str], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`--resume FOLDER`: the second time nobody is asked; other cells are asked again."""
+    libraries, agreement = module("libraries"), module("agreement")
+    asked: list[str] = []
+
+    def told(name: str, _: Any) -> Any:
+        asked.append(name)
+        return agreement.Agreement(name, why_not="not here")
+
+    monkeypatch.setattr(libraries, "agreement", told)
+    monkeypatch.setattr(libraries, "_measured", lambda name: (f"| {name} |", [f"| {name} |"]))
+    few, more = agreement.posed(2000), agreement.posed(1000)
+    first = libraries._answered("skimage:lewiner", few, (2,), tmp_path)
+    assert libraries._answered("skimage:lewiner", few, (2,), tmp_path) == first
+    assert asked == ["skimage:lewiner"]
+    libraries._answered("skimage:lewiner", more, (2,), tmp_path)
+    libraries._answered("skimage:lewiner", few, (2,), None)
+    assert len(asked) == 3
+    assert not list(tmp_path.glob("*.part"))
+    assert "not here" in libraries.compared([first])[0]
+
+
+PAGE = Path(__file__).parents[2] / "reports" / "papers" / "trilinear" / "implementations.md"
+
+
+def kept_rows() -> dict[str, list[str]]:
+    """The first table of the kept page, a row an implementation."""
+    table = PAGE.read_text(encoding="utf-8").partition("## Agreement by case\n")[0]
+    rows = (line.strip("| ").split("|") for line in table.splitlines() if line.startswith("| "))
+    return {cells[0].strip(): [cell.strip() for cell in cells] for cells in rows}
+
+
+def test_the_kept_page_has_every_ready_made_implementation(module: Callable[[str], Any]) -> None:
+    """Each has numbers, or says why it has none."""
+    rows = kept_rows()
+    for name in module("agreement").implementations():
+        assert rows[name][7] or rows[name][-1], name
+
+
+def test_what_the_reading_says_of_implementations_is_on_the_kept_page() -> None:
+    """All tunnels; edges of more than two triangles in 2 and in 3 pairs; no wrong face."""
+    rows = {name: cells for name, cells in kept_rows().items() if " of " in cells[7]}
+    assert len(rows) >= 40
+    every = [name for name, cells in rows.items() if cells[7] == "1,876 of 1,876"]
+    assert every == ["isoref:trilinear-cubes"]
+    crowded = {name: cells[5] for name, cells in rows.items() if cells[5] not in ("", "0")}
+    of_lewiner = ("skimage:lewiner", "skimage:masked", "skimage:no-degenerate")
+    two = ("pymeshlab", "pymeshlab:raw", *of_lewiner)
+    assert crowded == {**dict.fromkeys(two, "2"), "trimesh": "3"}
+    by_case = PAGE.read_text(encoding="utf-8").partition("## Agreement by case\n")[2]
+    by_case = by_case.partition("## Agreement by case, as a whole")[0].splitlines()
+    heads = {line[4]: line[8:].split(", ") for line in by_case if line.startswith("- **")}
+    for name in ("pymeshlab", "skimage:lewiner"):
+        (letter,) = (head for head, names in heads.items() if name in names)
+        column = next(line for line in by_case if line.startswith("| case")).split(" | ")
+        place = [cell.strip("| ") for cell in column].index(letter)
+        marks = {
+            cells[0].strip("| "): cells[place].strip("| ")
+            for cells in (line.split(" | ") for line in by_case if re.match(r"\| \d", line))
+        }
+        assert marks["4.2"] == "✓"
+        assert not any("F" in mark for mark in marks.values())
+        assert sum("M" in mark for mark in marks.values()) > 3
