@@ -133,7 +133,7 @@ def other_diagonal(replaced: str, by: str) -> str:
 def by_choi(same: Collection[bool], smaller: Collection[bool]) -> str:
     """What Choi's criterion changes, over the volumes on which it was tried."""
     return (
-        f"With Choi's criterion there are as many triangles on {sum(same)} of {len(same)} volumes, "
-        f"and the mean angle is smaller on {sum(smaller)}: it looks at one edge, not at its "
-        "neighbours."
+        f"With Choi's criterion there are as many triangles on {sum(same)} of {len(same)} of these "
+        f"fields, and the mean angle is smaller on {sum(smaller)}: it looks at one edge, not at "
+        "its neighbours."
     )

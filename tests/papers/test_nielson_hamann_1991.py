@@ -240,7 +240,9 @@ def test_the_other_diagonal_is_right_if_both_triangles_are_there(
 def test_what_choi_changes_is_counted(module: Callable[[str], Any]) -> None:
     """As many triangles on two of three volumes, a smaller angle on one."""
     told = module("nielson_words").by_choi([True, False, True], [False, True, False])
-    assert "as many triangles on 2 of 3 volumes, and the mean angle is smaller on 1:" in told
+    assert (
+        "as many triangles on 2 of 3 of these fields, and the mean angle is smaller on 1:" in told
+    )
 
 
 # The figures

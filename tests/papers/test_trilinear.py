@@ -277,15 +277,15 @@ def test_what_the_reading_says_of_implementations_is_on_the_kept_page() -> None:
     two = ("pymeshlab", "pymeshlab:raw", *of_lewiner)
     assert crowded == {**dict.fromkeys(two, "2"), "trimesh": "3"}
     by_case = PAGE.read_text(encoding="utf-8").partition("## Agreement by case\n")[2]
-    by_case = by_case.partition("## Agreement by case, as a whole")[0].splitlines()
-    heads = {line[4]: line[8:].split(", ") for line in by_case if line.startswith("- **")}
+    lines = by_case.partition("## Agreement by case, as a whole")[0].splitlines()
+    heads = {line[4]: line[8:].split(", ") for line in lines if line.startswith("- **")}
     for name in ("pymeshlab", "skimage:lewiner"):
         (letter,) = (head for head, names in heads.items() if name in names)
-        column = next(line for line in by_case if line.startswith("| case")).split(" | ")
+        column = next(line for line in lines if line.startswith("| case")).split(" | ")
         place = [cell.strip("| ") for cell in column].index(letter)
         marks = {
             cells[0].strip("| "): cells[place].strip("| ")
-            for cells in (line.split(" | ") for line in by_case if re.match(r"\| \d", line))
+            for cells in (line.split(" | ") for line in lines if re.match(r"\| \d", line))
         }
         assert marks["4.2"] == "✓"
         assert not any("F" in mark for mark in marks.values())
