@@ -75,6 +75,8 @@ def test_symbols_that_stand_alone_are_mathematics() -> None:
     )
     assert with_formulas("x_1, x_2, .. be points") == ":math:`x_{1}`, :math:`x_{2}`, .. be points"
     assert with_formulas("a field phi") == r"a field :math:`\phi`"
+    assert with_formulas("phi^ at the points") == r":math:`\hat{\phi}` at the points"
+    assert with_formulas("phi^2 = 1") == r":math:`{\phi}^{2} = 1`"
     for words in ("n_jobs and a_b_c", "x and n, m", "a lambda, an epsilon"):
         assert with_formulas(words) == words
 

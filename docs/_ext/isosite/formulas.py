@@ -11,8 +11,8 @@ one, by the grammar below, and what cannot stays as it is.
     power     = ["-"] atom ["!"] [("^" | "**") power]
     atom      = number | symbol ["(" list ")"] | "(" list ")" | "|" sum "|" | ".."
 
-A symbol is a letter or a Greek letter's name, with an index or primes: ``B00``, ``c_1``,
-``v_(k-1)``, ``e'``.
+A symbol is a letter or a Greek letter's name, with an index, primes or a hat: ``B00``,
+``c_1``, ``v_(k-1)``, ``e'``, ``phi^``.
 """
 
 from __future__ import annotations
@@ -32,10 +32,14 @@ RELATIONS = {
     "~": r"\sim", "->": r"\to",
 }  # fmt: skip
 INDEX = r"(?:_\([^()]*\)|_[A-Za-z0-9]+|[0-9]+)"
-SYMBOL = re.compile(rf"(?:(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-z]){INDEX}?'*(?![A-Za-z_0-9'])")
+# No power follows.
+HAT = r"(?:\^(?![\w(-]))?"
+SYMBOL = re.compile(
+    rf"(?:(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-z]){INDEX}?'*(?![A-Za-z_0-9']){HAT}"
+)
 # Alone a symbol too: a letter with a short index, and these letters by their names.
 ALONE = re.compile(
-    rf"(?:{'|'.join(GREEK)}|[A-Za-z])_(?:[A-Za-z0-9]{{1,3}}|\([^()]*\))'*|alpha|phi|chi|psi"
+    rf"(?:{'|'.join(GREEK)}|[A-Za-z])_(?:[A-Za-z0-9]{{1,3}}|\([^()]*\))'*{HAT}|(?:alpha|phi|chi|psi){HAT}"
 )
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d+)?(?![A-Za-z_]))"
@@ -178,9 +182,11 @@ class _Reader:
 def symbol(text: str) -> str:
     r"""A symbol of the source as TeX.
 
-    >>> symbol("B00"), symbol("alpha"), symbol("v_(k-1)"), symbol("e'")
-    ('B_{00}', '\\alpha', 'v_{k-1}', "e'")
+    >>> symbol("B00"), symbol("alpha"), symbol("v_(k-1)"), symbol("e'"), symbol("phi^")
+    ('B_{00}', '\\alpha', 'v_{k-1}', "e'", '\\hat{\\phi}')
     """
+    if text.endswith("^"):
+        return rf"\hat{{{symbol(text[:-1])}}}"
     match = re.fullmatch(r"([A-Za-z]+?)(?:_\((.*)\)|_([A-Za-z0-9]+)|([0-9]+))?('*)", text)
     assert match is not None, text
     name = "\\" + match[1] if match[1] in GREEK else match[1]
