@@ -14,7 +14,9 @@ from isograde.oracles.self_intersections import (
     _apart_at_vertex,
     _ask,
     _parted,
+    _planes,
     _shared_first,
+    near_pairs,
     self_intersections,
 )
 from isoref.field import Field, Floats, Integers
@@ -130,6 +132,28 @@ def test_bins_miss_no_pair(few: int, monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(expected) > 5
 
 
+@pytest.mark.parametrize("few", [0, 48])
+@pytest.mark.parametrize("corners", [2, 3])
+def test_boxes_that_meet_are_a_pair_once(
+    few: int, corners: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In however many bins they meet; triangles and segments; on lattices, where boxes touch."""
+    monkeypatch.setattr("isograde.oracles.self_intersections.FEW", few)
+    random = np.random.default_rng(corners)
+    for count in (1, 5, 40):
+        points = random.integers(0, 6, (count * corners, 3)) / 2.0
+        faces = np.arange(count * corners).reshape(count, corners)
+        found = [pair for some in near_pairs(points, faces) for pair in map(tuple, some.tolist())]
+        low, high = points[faces].min(axis=1), points[faces].max(axis=1)
+        expected = [
+            (i, j)
+            for i, j in combinations(range(count), 2)
+            if (low[i] <= high[j]).all() and (low[j] <= high[i]).all()
+        ]
+        assert sorted(found) == expected
+    assert len(expected) > 50
+
+
 def test_an_empty_mesh_has_none() -> None:
     """And neither has one without triangles, or with one."""
     nothing = np.empty((0, 3), np.int64)
@@ -153,7 +177,7 @@ def test_what_floating_point_parts_is_apart_in_integers(shared: int, whole: bool
     faces = random.permuted(np.concatenate([one, other]), axis=1)
     pairs = np.stack([np.arange(count), np.arange(count, 2 * count)], axis=1)
     places = points.reshape(-1, 3).astype(np.float64)
-    parted = _parted(places, faces, pairs)
+    parted = _parted(places, faces, _planes(places, faces), pairs)
     corners, found = _shared_first(faces[pairs])
     assert (found == shared).all()
     exact = integers(places[corners].reshape(-1, 18))

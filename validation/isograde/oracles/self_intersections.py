@@ -54,8 +54,8 @@ from isoref.field import Booleans, Floats, Integers
 from isograde.oracles.bounded import EPS, Bounded, Numbers, integers
 from isograde.oracles.rows import distinct
 
-PORTION = 200_000
-"""Pairs of triangles that are compared at a time."""
+PORTION, CACHED = 200_000, 1 << 13
+"""Pairs of triangles that are looked for at a time, and that are compared: those fit the cache."""
 
 FEW = 48
 """Faces of which all pairs are compared."""
@@ -71,18 +71,23 @@ def self_intersections(points: Floats, faces: Integers) -> Integers:
     >>> self_intersections(np.array(points, float), np.array([[0, 1, 2], [3, 4, 5]]))
     array([[0, 1]])
     """
+    planes = _planes(points, faces)
     found = [np.empty((0, 2), np.int64)]
     for pairs in near_pairs(points, faces):
-        found.append(pairs[_meet(points, faces, pairs)])
+        for at in range(0, len(pairs), CACHED):
+            some = pairs[at : at + CACHED]
+            found.append(some[_meet(points, faces, planes, some)])
     every = np.concatenate(found)
     crossing: Integers = every[distinct(every)[0]]
     return crossing
 
 
-def _meet(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
+def _meet(points: Floats, faces: Integers, planes: Floats, pairs: Integers) -> Booleans:
     """(n,) the triangles of the pair meet in more than they share."""
     meet = np.zeros(len(pairs), bool)
-    open_ = np.flatnonzero(~_parted(points, faces, pairs))
+    open_ = np.flatnonzero(~_parted(points, faces, planes, pairs))
+    if not len(open_):
+        return meet
     corners, shared = _shared_first(faces[pairs[open_]])
     for number, apart in enumerate((_apart, _apart_at_vertex, _apart_at_edge)):
         rows = np.flatnonzero(shared == number)
@@ -95,79 +100,126 @@ def _meet(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
     return meet
 
 
-def _parted(points: Floats, faces: Integers, pairs: Integers) -> Booleans:
+# --- what floating point says for certain ---------------------------------------------------------
+
+# Coordinates stand first here, then corners, then pairs: sums over coordinates are then sums of
+# arrays, and not of three numbers at a time.
+
+
+def _parted(points: Floats, faces: Integers, planes: Floats, pairs: Integers) -> Booleans:
     """(n,) something parts the two triangles for certain, the corners they share apart.
 
     What floating point leaves open is not parted: touches, triangles in one plane, near misses.
+
+    planes : of all faces, as `_planes` gives them
     """
-    planes = _planes(points, faces)
-    one, other = faces[pairs[:, 0]], faces[pairs[:, 1]]
-    same = one[:, :, None] == other[:, None, :]
-    common = same.any(axis=2), same.any(axis=1)
-    shared = common[0].sum(axis=1)
+    one, other = (np.ascontiguousarray(faces.take(pairs[:, side], axis=0).T) for side in (0, 1))
+    same = one[:, None] == other[None]
+    held = same[:, 0] | same[:, 1] | same[:, 2], same[0] | same[1] | same[2]
+    shared = held[0].sum(axis=0, dtype=np.int8)
     parted = np.zeros(len(pairs), bool)
     for number, parts in enumerate((_disjoint_parted, _vertex_parted, _edge_parted)):
-        rows = np.flatnonzero(shared == number)
+        rows = (shared == number).nonzero()[0]
         if len(rows):
+            here, there = (_Near(points, planes, pairs[rows, side]) for side in (0, 1))
             free = [
-                np.take_along_axis(face[rows], _free(held[rows]), axis=1)[:, : 3 - number]
-                for face, held in ((one, common[0]), (other, common[1]))
+                _free(face.take(rows, axis=1), own.take(rows, axis=1), 3 - number)
+                for face, own in ((one, held[0]), (other, held[1]))
             ]
-            near = [planes[pairs[rows, side]] for side in (0, 1)]
-            parted[rows] = parts(near, [points[corners] for corners in free])
+            parted[rows] = parts(here, there, *free)
     return parted
 
 
-def _free(held: Booleans) -> Integers:
-    """(n, 3) the corners of each triangle, those it shares last; of two, as they run round it."""
-    order: Integers = _FREE_FIRST[held @ np.array([1, 2, 4])]
-    return order
+class _Near:
+    """Triangles of n pairs, one of each: on which side of their planes the others' corners are."""
+
+    def __init__(self, points: Floats, planes: Floats, which: Integers) -> None:
+        self.points, self.planes, self.which = points, planes, which
+
+    def side(self, corners: Integers, rows: Integers | None = None) -> Integers:
+        """(k, n) as `_side_of_plane` of these corners (k, n), or of the pairs in `rows` alone."""
+        which = self.which
+        if rows is not None:
+            which, corners = which.take(rows), corners.take(rows, axis=1)
+        planes = np.ascontiguousarray(self.planes.take(which, axis=0).T)
+        places = np.ascontiguousarray(self.points.take(corners.reshape(-1), axis=0).T)
+        return _side_of_plane(planes, places.reshape(3, *corners.shape))
+
+
+def _free(corners: Integers, held: Booleans, count: int) -> Integers:
+    """(count, n) corners of each triangle (3, n) that are not shared; two as they run round it."""
+    if count == 3:
+        return corners
+    code = held[0] + 2 * held[1].view(np.int8) + 4 * held[2].view(np.int8)
+    at = _FREE_FIRST[:count].take(code, axis=1)
+    at *= corners.shape[1]
+    at += np.arange(corners.shape[1])
+    free: Integers = corners.reshape(-1).take(at)
+    return free
 
 
 _FREE_FIRST = np.array(
     [[0, 1, 2], [1, 2, 0], [2, 0, 1], [2, 0, 1], [0, 1, 2], [1, 0, 2], [0, 1, 2], [0, 1, 2]]
-)
+).T.copy()
 """By the corners that are shared, one bit each."""
 
 
-def _disjoint_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+def _disjoint_parted(one: _Near, other: _Near, p: Integers, q: Integers) -> Booleans:
     """(n,) triangles that share nothing are parted by the plane of one, or along a side of each."""
-    p, q = free
-    side = _side_of_plane(planes[0], q)
-    parted = np.asarray((side > 0).all(axis=1) | (side < 0).all(axis=1))
-    for rest_of in (_parted_by_other_plane, _parted_along_sides):
-        rows = np.flatnonzero(~parted)
-        if len(rows):
-            parted[rows] = rest_of(planes[1][rows], p[rows], q[rows])
+    parted = _on_one_side(one.side(q))
+    rows = (~parted).nonzero()[0]
+    if len(rows):
+        parted[rows] = _on_one_side(other.side(p, rows))
+        rows = rows[~parted[rows]]
+    if len(rows):
+        places = (one.points.take(own.take(rows, axis=1), axis=0) for own in (p, q))
+        parted[rows] = _parted_along_sides(*(of.transpose(2, 0, 1).copy() for of in places))
     return parted
 
 
-def _parted_by_other_plane(plane: Floats, p: Floats, q: Floats) -> Booleans:
-    """(n,) all of p is on one side of q's plane."""
-    del q
-    side = _side_of_plane(plane, p)
-    return np.asarray((side > 0).all(axis=1) | (side < 0).all(axis=1))
+def _on_one_side(side: Integers) -> Booleans:
+    """(n,) all three corners are on one side for certain."""
+    total = side.sum(axis=0, dtype=np.int8)
+    return np.asarray((total == 3) | (total == -3))
 
 
-def _parted_along_sides(plane: Floats, p: Floats, q: Floats) -> Booleans:
-    """(n,) along an axis across a side of each, one is for certain further than the other.
+def _parted_along_sides(p: Floats, q: Floats) -> Booleans:
+    """(n,) one of two triangles (3, 3, n) is for certain further than the other along some axis.
+
+    It is that from middle to middle, or one across a side of each.
+    """
+    origin = p[:, :1].copy()
+    p -= origin
+    q -= origin
+    parted = _apart_along((q.sum(axis=1) - p.sum(axis=1))[:, None], p, q)
+    rows = (~parted).nonzero()[0]
+    if len(rows):
+        p, q = p.take(rows, axis=2), q.take(rows, axis=2)
+        along, other = (corners[:, [1, 2, 0]] - corners for corners in (p, q))
+        a, b = along[:, :, None], other[:, None]
+        after, before = [1, 2, 0], [2, 0, 1]
+        axes = a[after] * b[before]
+        axes -= a[before] * b[after]
+        parted[rows] = _apart_along(axes.reshape(3, 9, -1), p, q)
+    return parted
+
+
+def _apart_along(axes: Floats, p: Floats, q: Floats) -> Booleans:
+    """(n,) along one of the axes (3, k, n) one of two triangles is for certain further.
 
     However an axis was rounded, triangles that are apart along it are apart.
     """
-    del plane
-    origin = p[:, :1]
-    p, q = p - origin, q - origin
-    along, other = (np.roll(corners, -1, axis=1) - corners for corners in (p, q))
-    axes = np.cross(along[:, :, None], other[:, None]).reshape(-1, 9, 3)
-    here, there = axes @ p.transpose(0, 2, 1), axes @ q.transpose(0, 2, 1)
     largest = np.maximum(np.abs(p).max(axis=1), np.abs(q).max(axis=1))
-    bound = 32 * EPS * (np.abs(axes) * largest[:, None]).sum(axis=2) + 1e-300
-    after = there.min(axis=2) - here.max(axis=2) > bound
-    before = here.min(axis=2) - there.max(axis=2) > bound
-    return np.asarray((after | before).any(axis=1))
+    bound = (np.abs(axes) * largest[:, None]).sum(axis=0)
+    bound *= 32 * EPS
+    bound += 1e-300
+    here, there = ((axes[:, None] * of[:, :, None]).sum(axis=0) for of in (p, q))
+    further = there.min(axis=0) - here.max(axis=0) > bound
+    further |= here.min(axis=0) - there.max(axis=0) > bound
+    return np.asarray(further.any(axis=0))
 
 
-def _vertex_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+def _vertex_parted(one: _Near, other: _Near, p: Integers, q: Integers) -> Booleans:
     """(n,) triangles that share a corner meet, for certain, in nothing else.
 
     With n and m the normals, a0, a1 and b0, b1 the sides that leave the corner, `_apart_at_vertex`
@@ -175,36 +227,53 @@ def _vertex_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
     det(ai, bj, ak) = -n.bj for i = 0, and so on. Where either pair has one sign, a plane of a
     triangle parts them; else what is across a side of each, where n.b0 and m.a0 have one sign.
     """
-    s, t = _side_of_plane(planes[0], free[1]), _side_of_plane(planes[1], free[0])
-    alike = (s[:, 0] * s[:, 1] > 0) | (t[:, 0] * t[:, 1] > 0)
-    across = (s[:, 0] * s[:, 1] < 0) & (t[:, 0] * t[:, 1] < 0) & (s[:, 0] * t[:, 0] > 0)
-    return np.asarray(alike | across)
+    s = one.side(q)
+    alike = s[0] * s[1]
+    parted: Booleans = alike > 0
+    rows = (~parted).nonzero()[0]
+    if len(rows):
+        t = other.side(p, rows)
+        across = (alike[rows] < 0) & (t[0] * t[1] < 0) & (s[0, rows] * t[0] > 0)
+        parted[rows] = (t[0] * t[1] > 0) | across
+    return parted
 
 
-def _edge_parted(planes: list[Floats], free: list[Floats]) -> Booleans:
+def _edge_parted(one: _Near, other: _Near, p: Integers, q: Integers) -> Booleans:
     """(n,) triangles that share an edge are, for certain, not in one plane."""
-    return np.asarray(_side_of_plane(planes[0], free[1])[:, 0] != 0)
+    del other, p
+    return np.asarray(one.side(q)[0] != 0)
 
 
 def _planes(points: Floats, faces: Integers) -> Floats:
-    """(F, 3, 3) of each triangle its first corner, its normal, and the size of what made that."""
-    p = points[faces]
-    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    """(F, 9) of each triangle its first corner, its normal, and the size of what made that."""
+    planes = np.empty((len(faces), 9))
     after, before = [1, 2, 0], [2, 0, 1]
-    one, other = a[:, after] * b[:, before], a[:, before] * b[:, after]
-    return np.stack([p[:, 0], one - other, np.abs(one) + np.abs(other)], axis=1)
+    for at in range(0, len(faces), CACHED):
+        some = slice(at, at + CACHED)
+        p, a, b = (np.ascontiguousarray(points.take(own, axis=0).T) for own in faces[some].T)
+        a, b = a - p, b - p
+        one, other = a[after] * b[before], a[before] * b[after]
+        made = np.concatenate([p, one - other, np.abs(one) + np.abs(other)])
+        planes[some] = made.T
+    return planes
 
 
 def _side_of_plane(planes: Floats, places: Floats) -> Integers:
-    """(n, k) on which side of its plane each place (n, k, 3) is, 0 where rounding leaves it open.
+    """(k, n) on which side of its plane each place (3, k, n) is, 0 where rounding leaves it open.
+
+    planes : (9, n)
 
     The bound is that of [3], section 4, for the determinant of differences, doubled.
     """
-    start, normal, size = (planes[:, None, part] for part in range(3))
+    start, normal, size = planes.reshape(3, 3, 1, -1)
     away = places - start
-    determinant = (away * normal).sum(axis=2)
-    bound = 16 * EPS * (np.abs(away) * size).sum(axis=2) + 1e-300
-    return np.asarray((determinant > bound).astype(np.int64) - (determinant < -bound))
+    determinant = (away * normal).sum(axis=0)
+    np.abs(away, out=away)
+    away *= size
+    bound = away.sum(axis=0)
+    bound *= 16 * EPS
+    bound += 1e-300
+    return np.asarray((determinant > bound).view(np.int8) - (determinant < -bound).view(np.int8))
 
 
 def _ask(apart: Callable[[Bounded, Bounded], Booleans], numbers: Numbers) -> Booleans:
@@ -231,14 +300,19 @@ def _small(rows: Floats) -> Integers:
 
 
 def near_pairs(points: Floats, faces: Integers) -> Iterator[Integers]:
-    """Pairs (n, 2) of faces whose boxes meet, each once or more often, in portions."""
-    low, high = points[faces].min(axis=1), points[faces].max(axis=1)
-    for one, other in _every_pair(len(faces)) or _in_one_bin(*_bins(low, high)):
-        near = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
-        first, second = np.minimum(one, other)[near], np.maximum(one, other)[near]
-        keys = np.sort(first * len(faces) + second)
-        keys = keys[np.diff(keys, prepend=-1) > 0]
-        yield np.stack(np.divmod(keys, max(len(faces), 1)), axis=1)
+    """Pairs (n, 2) of faces whose boxes meet, each once, in portions."""
+    corners = [np.ascontiguousarray(points.take(corner, axis=0).T) for corner in faces.T]
+    low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
+    for one, other in _every_pair(len(faces)) or _in_one_bin(*_bins(low.T, high.T)):
+        found = [np.empty((0, 2), np.int64)]
+        for at in range(0, len(one), CACHED):
+            first, second = one[at : at + CACHED], other[at : at + CACHED]
+            near = (low.take(first, axis=1) <= high.take(second, axis=1)).all(axis=0)
+            near &= (low.take(second, axis=1) <= high.take(first, axis=1)).all(axis=0)
+            rows = near.nonzero()[0]
+            first, second = first.take(rows), second.take(rows)
+            found.append(np.stack([np.minimum(first, second), np.maximum(first, second)], axis=1))
+        yield np.concatenate(found)
 
 
 def _every_pair(count: int) -> list[tuple[Integers, Integers]]:
@@ -249,34 +323,54 @@ def _every_pair(count: int) -> list[tuple[Integers, Integers]]:
     return [(one, other)]
 
 
-def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers]:
-    """(face, bin) for every bin that the face's box meets: at most eight each."""
+def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers, Integers]:
+    """(face, bin, which) for every bin that the face's box meets: at most eight each.
+
+    which : a bit an axis, set where the bin is not the face's first one along it
+    """
     if not len(low):
-        return np.empty(0, np.int64), np.empty(0, np.int64)
+        none = np.empty(0, np.int64)
+        return none, none, none
     start = low.min(axis=0)
     size = np.maximum((high - low).max(axis=0), (high.max(axis=0) - start) / 2**20)
     size = np.where(size > 0, size, 1.0)
     first = np.floor((low - start) / size).astype(np.int64)
     last = np.floor((high - start) / size).astype(np.int64)
-    face, place = [], []
-    for offset in product((0, 1), repeat=3):
-        rows = np.flatnonzero((first + offset <= last).all(axis=1))
+    both = (last > first) @ np.array([1, 2, 4])
+    name = first @ STEPS
+    face, place, which = [], [], []
+    for offset in range(8):
+        rows = ((both & offset) == offset).nonzero()[0]
+        step = sum(int(STEPS[axis]) for axis in range(3) if offset >> axis & 1)
         face.append(rows)
-        place.append(first[rows] + offset)
-    x, y, z = np.concatenate(place).T
-    return np.concatenate(face), (x << 42) | (y << 21) | z
+        place.append(name.take(rows) + step)
+        which.append(np.full(len(rows), offset))
+    return np.concatenate(face), np.concatenate(place), np.concatenate(which)
 
 
-def _in_one_bin(face: Integers, place: Integers) -> Iterator[tuple[Integers, Integers]]:
-    """Pairs of faces in one bin, in portions: each with the one that is `step` after it."""
+STEPS = np.array([1 << 42, 1 << 21, 1])
+"""From the name of a bin to those of the next ones along the axes."""
+
+
+def _in_one_bin(
+    face: Integers, place: Integers, which: Integers
+) -> Iterator[tuple[Integers, Integers]]:
+    """Pairs of faces in one bin, in portions: each with the one that is `step` after it.
+
+    Two boxes that meet do so in several bins. They are a pair in the one that is the first, along
+    each axis, of one or the other.
+    """
     order = np.argsort(place, kind="stable")
-    face, place = face[order], place[order]
+    face, place, which = face[order], place[order], which[order]
     waiting: list[tuple[Integers, Integers]] = []
     step, rows = 1, np.arange(len(face))
     while len(rows):
-        rows = rows[rows + step < len(face)]
-        rows = rows[place[rows] == place[rows + step]]
-        waiting.append((face[rows], face[rows + step]))
+        rows = rows[: rows.searchsorted(len(face) - step)]
+        after = rows + step
+        rows = rows.take((place.take(rows) == place.take(after)).nonzero()[0])
+        after = rows + step
+        kept = ((which.take(rows) & which.take(after)) == 0).nonzero()[0]
+        waiting.append((face.take(rows.take(kept)), face.take(after.take(kept))))
         step += 1
         if sum(len(one) for one, _ in waiting) > PORTION:
             yield _joined(waiting)
