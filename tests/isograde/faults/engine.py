@@ -9,6 +9,7 @@ any of its lines.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import numpy as np
@@ -51,21 +52,21 @@ class Engine:
         crossings = self.crossings(g, signs, cells)
 
         # Copy the triangles, cells of one kind together.
-        on_edges = [self.edge_name(cells, e, shape) for e in range(12)]
+        on_edges = np.array([self.edge_name(cells, e, shape) for e in range(12)])
         names, places, owners = [], [], []
         keys = signs | decisions << 8
-        for key in np.unique(keys).tolist():
+        for key, rows in of_one_kind(keys):
             tile = self.tile(key & 255, key >> 8)
-            rows = np.flatnonzero(keys == key)
-            nodes = np.array(tile.triangles, np.int64).reshape(-1)
+            nodes = np.array(tile.triangles, np.int64).reshape(-1).tolist()
             inner = [place(g[:, rows], crossings[:, rows]) for place in tile.interior]
             inner = self.interior(inner, g[:, rows])
+            named, placed = on_edges[:, rows], cells[rows] + crossings[:, rows]
             for node in nodes:
                 if node < 12:
-                    names.append(on_edges[node][rows])
-                    places.append(cells[rows] + crossings[node, rows])
+                    names.append(named[node])
+                    places.append(placed[node])
                 else:
-                    names.append(self.inner_name(cells[rows], int(node), key, shape))
+                    names.append(self.inner_name(cells[rows], node, key, shape))
                     places.append(cells[rows] + inner[node - 12])
                 owners.append(rows)
         return self.finish(*self.weld(names, places, owners, keys), spacing, shape)
@@ -149,17 +150,23 @@ class Engine:
         """Vertices in units of cells, and triangles in the order of their cells."""
         every, where = np.concatenate(names), np.concatenate(places)
         _, first, number = np.unique(every, return_index=True, return_inverse=True)
-        ends = np.cumsum([len(rows) for rows in owners])
-        starts = ends - [len(rows) for rows in owners]
-        triangles = [
-            np.stack([number[starts[c + k] : ends[c + k]] for k in range(3)], axis=1)
-            for c in range(0, len(owners), 3)
-        ]
+        # A triangle's corners stand one after the other, each for all cells of its kind.
+        many = np.array([len(rows) for rows in owners[::3]])
+        starts, step = np.repeat(3 * np.cumsum(many) - 3 * many, many), np.repeat(many, many)
+        within = np.arange(many.sum()) - np.repeat(np.cumsum(many) - many, many)
+        triangles = number[(starts + within)[:, None] + step[:, None] * np.arange(3)]
         order = np.argsort(np.concatenate(owners[::3]), kind="stable")
-        return where[first], np.concatenate(triangles)[order]
+        return where[first], triangles[order]
 
     def finish(
         self, vertices: Array, triangles: Array, spacing: Spacing, shape: tuple[int, ...]
     ) -> Answer:
         """The answer in the world's units."""
         return vertices * np.asarray(spacing), triangles
+
+
+def of_one_kind(keys: Array) -> Iterator[tuple[int, Array]]:
+    """Each number that occurs, and the places where it does, both in ascending order."""
+    order = np.argsort(keys, kind="stable")
+    kinds, first = np.unique(keys[order], return_index=True)
+    yield from zip(kinds.tolist(), np.split(order, first[1:]), strict=True)
