@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 class Here:
     """An adapter to a function of samples, isovalue (or isovalues) and spacing, in this process.
 
-    The function is given each array as it lies in memory.
+    The function is given each array as it lies in memory, and directions where a field has some.
     """
 
     def __init__(self, function: Callable[..., Any], declaration: Declaration):
@@ -47,7 +47,10 @@ class Here:
         try:
             with np.errstate(all="ignore"):
                 level = levels[0] if len(levels) == 1 else levels
-                answer = self.function(samples, level, request.field.spacing)
+                more = {}
+                if request.field.directions is not None:
+                    more["directions"] = np.array(request.field.directions)
+                answer = self.function(samples, level, request.field.spacing, **more)
             vertices, simplices = arrays_from(answer, request.kind)
             normals = normals_in(answer, request.kind)
         except NotImplementedError as error:

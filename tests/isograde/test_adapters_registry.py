@@ -266,7 +266,11 @@ def test_answers_arrive_closed_in_place_and_facing_outwards(adapter: PythonAdapt
         return
     # A dual surface is 0.385/R inside the sphere of radius R, design.md: a third of the volume.
     coarse = 0.4 if adapter.declaration.vertices == "cells" else 0.3
-    assert solid.volume == pytest.approx(VOLUME, rel=coarse)
+    if adapter.declaration.reach > 1:
+        # The ball is too small for such a lattice; bodies of six cells are judged by every grade.
+        assert 0 < solid.volume < VOLUME
+    else:
+        assert solid.volume == pytest.approx(VOLUME, rel=coarse)
     centre = (np.array([2.1, 2.4, 3.2]) * field.spacing) + (9, 8, 7)
     assert solid.center_mass == pytest.approx(centre, abs=0.7)
 
@@ -355,7 +359,7 @@ def test_where_vertices_stand_is_declared_as_measured(adapter: PythonAdapter) ->
         assert (alike | five).all()
         # Two edges of a triangle in three are the lattice's, and three of a tetrahedron's in seven.
         assert 0.2 < on_lattice_edge.mean() < (0.8 if kind.n == 2 else 0.6)
-    elif declared.given == "samples":  # Who samples a function may take our lattice for its own.
+    elif declared.vertices != "own":  # Whose lattice may be ours, or every second sample of it.
         assert (declared.vertices == "edges") == (on_lattice_edge.mean() > 0.5)
     if declared.vertices == "edges":
         points = places[on_lattice_edge].clip(0, 6)

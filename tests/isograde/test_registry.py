@@ -39,6 +39,7 @@ BY_TEST = {
     "bodies.distance": "test_bodies_claim",
     "bodies.degree": "test_bodies_claim",
     "symmetry.components": "test_symmetry",
+    "symmetry.directions": "test_symmetry",
     "topology.scan": "test_scan",
     "range.scale": "test_ranges",
     "range.shift": "test_ranges",

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from functools import cache
+from functools import cache, partial
+from typing import Any
 
+import isoref
 import numpy as np
 import pytest
 from isograde.cases import all_cases
@@ -13,6 +15,7 @@ from isograde.declaration import Declaration, Split, declaration_from
 from isograde.model import Case, Kind, Verdict
 from isograde.oracles import overlay
 from isograde.oracles.complexes import Complex
+from isograde.runner import claims_for
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
 
@@ -172,6 +175,96 @@ def test_the_oracle_finds_one_simplex_moved_turned_or_lost() -> None:
     moved = points.copy()
     moved[rows[0, 0]] += 1e-3
     assert len(overlay.lonely(points, moved, 1e-6)[0]) == 1
+
+
+DIRECTED = {"limits": {"directions": True}}
+BACKWARDS = {"limits": {"negative": True}}
+
+
+def in_the_world(name: str) -> Function:
+    """The extractor of this name, moved to the axes of the world that it is told."""
+    function = CORRECT[name].function
+
+    def extract(values, isovalue, spacing, directions=None):  # type: ignore[no-untyped-def]
+        frame = np.eye(3) if directions is None else directions
+        frame = frame * np.sign(spacing)[:, None]
+        vertices, rows = function(values, isovalue, tuple(np.abs(spacing).tolist()))[:2]
+        return vertices @ frame, rows[:, ::-1] if np.linalg.det(frame) < 0 else rows
+
+    return extract
+
+
+@pytest.mark.parametrize(
+    "name", ["cubes", "nets", "dual_cubes_of_quads", "tetrahedra_of_kuhn", "label_cubes", "capped"]
+)
+def test_who_goes_with_the_axes_of_the_world_passes(name: str) -> None:
+    """Of "symmetry.directions": in every family, turned, mirrored, and at negative spacings."""
+    says = {**CORRECT[name].says, "limits": {**DIRECTED["limits"], **BACKWARDS["limits"]}}
+    declared = declaration_from(says, name)
+    found = list(grade(Here(in_the_world(name), declared), asked()[1:], "symmetry.directions"))
+    assert [(f.verdict, f.numbers) for _, _, f in found] == [(Verdict.PASS, {"variants": 4})]
+
+
+def test_the_reference_takes_directions() -> None:
+    """`isoref.extract`, whose declaration says nothing of them, asked by name."""
+    declared = declaration_from(DIRECTED, "isoref")
+
+    def extract(values, isovalue, spacing, directions=None):  # type: ignore[no-untyped-def]
+        mesh = isoref.extract(values, isovalue, spacing, directions=directions)
+        return mesh.vertices, mesh.simplices
+
+    found = list(grade(Here(extract, declared), asked(), "symmetry.directions"))
+    assert [(f.verdict, f.numbers) for _, _, f in found] == [(Verdict.PASS, {"variants": 2})] * 2
+
+
+@pytest.mark.parametrize("says", [DIRECTED, BACKWARDS], ids=["directions", "negative"])
+@pytest.mark.parametrize("name", ["cubes", "nets", "tetrahedra_of_kuhn", "label_cubes"])
+def test_who_comes_out_of_a_mirror_inside_out_does_not(name: str, says: dict[str, object]) -> None:
+    """Vertices are moved, and simplices keep their order: in every family."""
+    right: Any = in_the_world(name)
+
+    def extract(values, isovalue, spacing, directions=None):  # type: ignore[no-untyped-def]
+        vertices, rows = right(values, isovalue, spacing, directions)
+        frame = np.eye(3) if directions is None else directions
+        mirrored = np.linalg.det(frame * np.sign(spacing)[:, None]) < 0
+        return vertices, rows[:, ::-1] if mirrored else rows
+
+    declared = declaration_from({**CORRECT[name].says, **says}, name)
+    found = list(grade(Here(extract, declared), asked()[1:], "symmetry.directions"))
+    assert [f.verdict for _, _, f in found] == [Verdict.FAIL]
+
+
+def test_nobody_else_is_asked_for_directions() -> None:
+    """The plan of who does not take them is what it was."""
+    for name, family in CORRECT.items():
+        assert "symmetry.directions" not in claims_for(declaration_from(family.says, name))
+    both = claims_for(declaration_from(DIRECTED, "one"))
+    assert set(both) - set(claims_for(Declaration("one"))) == {"symmetry.directions"}
+
+
+@pytest.mark.parametrize("kind", [Kind(2, 1), Kind(3, 2)], ids=str)
+def test_contours_and_curves_go_with_the_axes_too(kind: Kind) -> None:
+    """In other dimensions, with their direction along the curve."""
+    shape = {2: (6, 5), 3: (4, 3, 4)}[kind.n]
+    values = np.random.default_rng([*kind]).normal(size=(kind.m, *shape))
+    field = Field.of(values if kind.m > 1 else values[0], dimension=kind.n)
+    case = Case("test", lambda: field, (0.1,) * kind.m, 1, kind=kind)
+    limits = {"kinds": [list(kind)], "directions": True, "negative": True}
+    declared = declaration_from({"interpolant": "kuhn", "limits": limits}, "simplices")
+
+    def extract(values, isovalues, spacing, directions=None, turn=True):  # type: ignore[no-untyped-def]
+        levels = np.reshape(isovalues, (kind.m, *(1,) * kind.n))
+        parts = values.reshape(kind.m, *values.shape[-kind.n :]) - levels
+        frame = np.eye(kind.n) if directions is None else directions
+        frame = frame * np.sign(spacing)[:, None]
+        mesh = simplicial(Field.of(parts, tuple(np.abs(spacing).tolist()), dimension=kind.n))
+        rows = mesh.simplices[:, ::-1] if turn and np.linalg.det(frame) < 0 else mesh.simplices
+        return mesh.vertices @ frame, rows
+
+    right = list(grade(Here(extract, declared), [case], "symmetry.directions"))
+    assert [(f.verdict, f.numbers) for _, _, f in right] == [(Verdict.PASS, {"variants": 4})]
+    wrong = list(grade(Here(partial(extract, turn=False), declared), [case], "symmetry.directions"))
+    assert [f.verdict for _, _, f in wrong] == [Verdict.FAIL]
 
 
 def test_normals_that_come_know_the_spacing() -> None:

@@ -40,6 +40,10 @@ empty         what a field without a surface gives: an empty mesh (mesh), or an 
 kinds         the (n, m) it takes: [[3, 1]] unless said
 types         NumPy's names of the number types it takes; every type unless said
 least, greatest   samples along each axis; ``samples``, in all; ``cubes``: equal along all axes
+directions    true where it takes the directions of the axes in the world, as a fourth argument
+              ``directions``: n rows, for each axis of the array the unit vector along which it
+              runs; false unless said, and then every axis runs along one of the world's
+negative      true where it takes spacings below zero: an axis that runs backwards in the world
 
 A field of another type is posed in one that is taken, and filled up to a cube, where that leaves
 its level set in its place (`isograde.within`); what else is outside the limits is not sent.
@@ -147,6 +151,8 @@ class Scope:
     least, greatest : samples along each axis; greatest 0 for no limit
     samples : samples in all; 0 for no limit
     cubes : as many samples along each axis
+    directions, negative : axes that run elsewhere in the world than they do in the array, told by
+        directions or by a negative spacing
     """
 
     kinds: tuple[tuple[int, int], ...] = ((3, 1),)
@@ -155,6 +161,8 @@ class Scope:
     greatest: int = 0
     samples: int = 0
     cubes: bool = False
+    directions: bool = False
+    negative: bool = False
 
     def refusal(self, kind: tuple[int, int], shape: Sequence[int], dtype: np.dtype[Any]) -> str:
         """Why a field of this kind, shape and type is outside the limits; nothing where it is not.
@@ -266,6 +274,13 @@ def declaration_from(data: object, name: str) -> Declaration:
         raise DeclarationError(
             f"{what}: given: a function is sampled on a lattice of one's own; declare vertices "
             '{"own": reach}'
+        )
+    turned = declared.limits.directions or declared.limits.negative
+    apart = (declared.conventions.units, declared.conventions.axes, declared.given)
+    if turned and apart != ("world", "array", "samples"):
+        raise DeclarationError(
+            f"{what}: limits: directions and negative spacings are for who is given samples and "
+            "answers in the world's units, in the order of the array's axes"
         )
     if declared.level > declared.top and "level" in said:
         family = f"{declared.interpolant}, vertices on {declared.vertices}"
@@ -446,12 +461,11 @@ def _scope(value: object) -> Scope:
     for key in ("least", "greatest", "samples"):
         if key in value:
             fields[key] = _whole(value[key], f"limits: {key}", 0, 1 << 62)
-    if "cubes" in value:
-        _check(
-            isinstance(value["cubes"], bool),
-            f"limits: cubes: {value['cubes']!r} is not true or false",
-        )
-        fields["cubes"] = value["cubes"]
+    for key in ("cubes", "directions", "negative"):
+        if key in value:
+            told = f"limits: {key}: {value[key]!r} is not true or false"
+            _check(isinstance(value[key], bool), told)
+            fields[key] = value[key]
     return Scope(**fields)
 
 

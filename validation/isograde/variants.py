@@ -179,6 +179,37 @@ def _space(field: Field, isovalues: Isovalues) -> Posed:
     return replace(field, spacing=spacing), isovalues
 
 
+def _turned(mirrored: bool) -> Callable[[Field, Isovalues], Posed]:
+    """The axes turned in the world by some angle from each to the next; the first one backwards."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        n = field.dimension
+        rows = np.eye(n)
+        for axis in range(n - 1):
+            angle = 0.4 + 0.3 * axis
+            turn = np.eye(n)
+            turn[axis : axis + 2, axis : axis + 2] = [
+                [np.cos(angle), np.sin(angle)],
+                [-np.sin(angle), np.cos(angle)],
+            ]
+            rows = rows @ turn
+        if mirrored:
+            rows[0] *= -1
+        return replace(field, directions=tuple(map(tuple, rows.tolist()))), isovalues
+
+    return pose
+
+
+def _negative(count: int) -> Callable[[Field, Isovalues], Posed]:
+    """A spacing below zero along the first axes, so many of them."""
+
+    def pose(field: Field, isovalues: Isovalues) -> Posed:
+        spacing = tuple(-s if axis < count else s for axis, s in enumerate(field.spacing))
+        return replace(field, spacing=spacing), isovalues
+
+    return pose
+
+
 def _fortran(field: Field, isovalues: Isovalues) -> Posed:
     """The first axis fastest in memory."""
     return _values(field, np.asfortranarray(field.values)), isovalues
@@ -483,6 +514,15 @@ SIMPLE: tuple[Variant, ...] = (
         lambda places, _: places - 2.0,
     ),
     Variant("spacing", "another spacing along each axis", _space),
+    Variant("directions/turned", "the axes turned in the world", _turned(mirrored=False)),
+    Variant(
+        "directions/mirrored",
+        "the axes turned in the world, the first one backwards",
+        _turned(mirrored=True),
+        reflects=True,
+    ),
+    Variant("negative/one", "a negative spacing along the first axis", _negative(1), reflects=True),
+    Variant("negative/two", "negative spacings along two axes", _negative(2)),
     Variant("fortran", "first axis fastest in memory", _fortran),
     Variant("strided", "every second element of a larger array", _strided),
     Variant("backwards", "a view that runs backwards through memory", _backwards),

@@ -22,7 +22,12 @@ def refusal(request: Request, declaration: Declaration) -> str:
     field = request.field
     if is_bad_input(request.variant) or not is_field(field):
         return ""
-    return declaration.limits.refusal(request.kind, field.shape, field.values.dtype)
+    limits = declaration.limits
+    if field.directions is not None and not limits.directions:
+        return "outside its limits: directions of the axes"
+    if min(field.spacing) < 0 and not limits.negative:
+        return "outside its limits: a negative spacing"
+    return limits.refusal(request.kind, field.shape, field.values.dtype)
 
 
 def is_field(field: Field) -> bool:

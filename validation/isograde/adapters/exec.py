@@ -27,6 +27,10 @@ bytes. Vertices are ``index * spacing`` in the order of the array's axes unless 
 otherwise; the grader adds the origin. Which way round simplices are is said in ``isograde explain
 python``.
 
+A program whose declaration has the limit ``"directions": true`` also gets fields with one more key,
+the last: ``"directions"``, n rows, for each axis of the array the unit vector along which it runs.
+Vertices are then ``index * spacing @ directions``.
+
 Simplices are rows of n - m + 1 indices, counted from 0; for surfaces ``"faces"`` is another name
 for them. In their place an answer may have
 
@@ -157,7 +161,7 @@ class ExecAdapter(ProcessAdapter):
         path = self.exchange.path / "values.npy"
         np.save(path, solid)
         several = is_field(field) and values.ndim > field.dimension
-        return {
+        message = {
             "command": "run",
             "id": self.number,
             "dtype": solid.dtype.str,
@@ -170,6 +174,9 @@ class ExecAdapter(ProcessAdapter):
             "directory": str(self.exchange.path),
             "case": request.case,
         }
+        if field.directions is not None:
+            message["directions"] = field.directions
+        return message
 
     def _read(self, said: dict[str, Any], request: Request) -> Outcome:
         """What an answer says, its files read."""

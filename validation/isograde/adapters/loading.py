@@ -18,6 +18,10 @@ Where m > 1 fields meet it is ``extract(values, isovalues, spacing)`` with value
 and a tuple of m floats, or, with 2 m + 1 parameters, ``extract(a, b, isovalue_a, isovalue_b,
 spacing)`` and so on: the number of parameters without a default tells which.
 
+Who takes the directions of the axes in space declares ``{"limits": {"directions": true}}``, and is
+called with ``directions=rows`` where a field has some: a vertex is then at ``index * spacing @
+rows``, and its normals point to lower values in space, also where the axes are a mirror image.
+
 Who samples a function, and takes no samples, declares ``"given": "function"``, and is called with
 one (``isograde explain function``).
 
@@ -170,8 +174,8 @@ def as_called(function: Callable[..., Any], required: int) -> Call:
         if len(isovalues) == 1:
             return function(values, isovalues[0], spacing, **more)
         if required == 3:
-            return function(values, isovalues, spacing)
-        return function(*values, *isovalues, spacing)
+            return function(values, isovalues, spacing, **more)
+        return function(*values, *isovalues, spacing, **more)
 
     return call
 

@@ -71,6 +71,8 @@ class PythonAdapter(ProcessAdapter):
             "calls": request.calls,
             "seconds": self.limits.seconds,
         }
+        if request.field.directions is not None:
+            header["directions"] = request.field.directions
         if request.function is not None and self.declaration.given == "function":
             pickled = cloudpickle.dumps(request.function)
             header["function"] = base64.b64encode(pickled).decode("ascii")

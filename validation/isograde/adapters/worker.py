@@ -14,7 +14,8 @@ load    ``{"load": spec, "path": [..]}``: answered by ``{"declaration": {..}}`` 
         ``{"error": .., "unknown": ..}``, unknown where nothing has this name; `path` is Python's
 run     ``{"id": i, "isovalues": [..], "spacing": [..], "strides": [..], "writeable": bool,
         "calls": how, "seconds": s}`` (`isograde.model.Calls`) and the samples; where they are
-        samples of a known function, that one too, pickled: "function". Answered by the same ``id``
+        samples of a known function, that one too, pickled: "function"; where the axes have
+        directions in the world, "directions". Answered by the same ``id``
         with ``{"status": .., "detail": .., "changed": .., "seconds": .., "processor": ..,
         "peak": ..}`` and, where the status is "ok", vertices, simplices and, where they came,
         normals
@@ -142,6 +143,8 @@ def _call(
     places = tuple(header["isovalues"]), tuple(header["spacing"])
     if "function" in header:
         extract = partial(extract, function=pickle.loads(base64.b64decode(header["function"])))
+    if "directions" in header:
+        extract = partial(extract, directions=np.array(header["directions"]))
     asked = Asked(extract, given, places, kind, memory)
     status, detail, arrays = _outcome(asked, header["calls"])
     cost = {"seconds": asked.seconds, "processor": asked.processor, "peak": asked.bytes}

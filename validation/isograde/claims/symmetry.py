@@ -9,7 +9,7 @@ the family (`isograde.declaration`):
 scale, shift, layout, type    the arrays; else the oriented simplices as a multiset, up to rounding
 translation                   the oriented simplices one cell off the border; of a split, where it
                               is moved by its own period
-symmetry and spacing
+symmetry, spacing and directions
     vertices on edges         the same lattice edges carry vertices, at the same place, and on every
                               face of every cell the mesh has the same segments; in every cell it
                               has as many sheets, of the same Euler characteristic
@@ -44,6 +44,7 @@ from isograde.claims.evidence import (
     failed,
     given_samples,
     lattice_of,
+    meetings_of,
     on_mesh,
     passed,
     place,
@@ -70,7 +71,7 @@ from isograde.model import (
 from isograde.oracles import overlay
 from isograde.oracles.bilinear import saddles
 from isograde.oracles.complexes import Complex
-from isograde.oracles.degree import crossings
+from isograde.oracles.degree import crossings, meetings
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.squares import squares
 from isograde.oracles.traces import Traces, alike, traces
@@ -240,6 +241,21 @@ def _unclear_cells(trial: Trial) -> Integers:
 
 
 # --- the same but for diagonals ------------------------------------------------------------------
+
+
+def same_in_the_world(trial: Trial, other: Complex, variant: variants.Variant) -> str:
+    """How it differs where the axes run elsewhere in the world, its orientation included."""
+    if told := same_shape(trial, other, variant):
+        return told
+    if trial.declaration.conventions.normals == "none" or trial.kind.k == 0 or trial.kind.m > 2:
+        return ""
+    lattice = lattice_of(trial)
+    if min(lattice.shape) < 2 or meetings_of(trial).wrong().any():
+        return ""
+    reversed_ = int(meetings(lattice, other.points, other.simplices).reversed.sum())
+    if not reversed_:
+        return ""
+    return f"{reversed_} faces of the lattice are met the right number of times, the other way"
 
 
 def same_shape(trial: Trial, other: Complex, variant: variants.Variant) -> str:
@@ -571,6 +587,11 @@ def not_own(declared: Declaration) -> bool:
     return declared.vertices != "own"
 
 
+def placed_in_the_world(declared: Declaration) -> bool:
+    """Takes directions of the axes, or negative spacings; and vertices on edges or in cells."""
+    return not_own(declared) and (declared.limits.directions or declared.limits.negative)
+
+
 def of_several_types(declared: Declaration) -> bool:
     """Called with samples, of more than one type."""
     return given_samples(declared) and len(declared.limits.types) != 1
@@ -646,6 +667,15 @@ CLAIMS = (
         "An uneven spacing stretches the answer and changes nothing else, but for diagonals.",
         same_shape,
         ("spacing",),
+    ),
+    _claim(
+        "symmetry.directions",
+        "Where the axes of the samples run elsewhere in the world, mirrored ones too, the answer "
+        "goes with them, and its normals still point the way they did; asked of those who take "
+        "directions or negative spacings.",
+        same_in_the_world,
+        ("directions/", "negative/"),
+        placed_in_the_world,
     ),
     _claim(
         "symmetry.layout",

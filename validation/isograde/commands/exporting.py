@@ -68,7 +68,10 @@ def _posed(case: Case, names: set[str]) -> list[Request]:
     field, found = case.build(), []
     for name in sorted(variants.named(sorted(names), case.kind)):
         way = variants.pose(name, case, field)
-        # A file holds samples, and cannot say how a program is to be called.
-        if way is not None and variants.variant(name, case.kind).calls == "once":
+        # A file holds samples, and cannot say how a program is to be called; folders hold fields
+        # whose axes run as those of the world.
+        if way is None or way[0].directions is not None or min(way[0].spacing, default=1) < 0:
+            continue
+        if variants.variant(name, case.kind).calls == "once":
             found.append(Request(case.id, name, *way))
     return found

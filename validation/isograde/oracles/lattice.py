@@ -143,7 +143,12 @@ class Lattice:
     @cached_property
     def tolerance(self) -> float:
         """Distance, in units of the spacing, below which two places are one."""
-        extent = np.abs(np.divide(self.field.origin, self.field.spacing)) + self.shape
+        field = self.field
+        extent = np.abs(np.divide(field.origin, field.spacing)) + self.shape
+        if field.directions is not None:
+            # In the world each coordinate has a share of every axis.
+            whole = float(np.abs(np.multiply(field.spacing, self.shape)).sum())
+            extent = (np.abs(field.origin) + whole) / np.abs(field.spacing).min()
         return max(1e-6, 8 * SINGLE * float(extent.max()))
 
     @cached_property
@@ -160,7 +165,7 @@ class Lattice:
 
         Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
         """
-        places = np.subtract(points, self.field.origin) / self.field.spacing
+        places = self.field.index(points)
         places = np.clip(places, -FAR, FAR)
         for plane in self._planes:
             places = np.where(np.abs(places - plane) <= self.tolerance, plane, places)

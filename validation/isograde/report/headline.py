@@ -52,6 +52,7 @@ FAULTS = {
     "symmetry.type": "another answer in another number type",
     "symmetry.layout": "another answer in another memory layout",
     "symmetry.spacing": "another answer at another spacing",
+    "symmetry.directions": "another answer where the axes are turned in the world",
     "symmetry.translation": "another answer after a translation",
     "symmetry.scaling": "another answer to scaled values",
     "symmetry.shift": "another answer to shifted values",

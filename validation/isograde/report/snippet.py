@@ -325,6 +325,7 @@ LONG = frozenset(
         "accuracy.continuity",
         "curves.confidence",
         "accuracy.shapes",
+        "symmetry.directions",
         "symmetry.normals_returned",
         "robustness.elsewhere",
         "topology.tie_side",

@@ -23,6 +23,13 @@ def without_degenerate(values, isovalue, spacing):
     return marching_cubes(values, isovalue, spacing=spacing, allow_degenerate=False)[:2]
 
 
+def every_second(values, isovalue, spacing):
+    """The surface of every second sample along each axis."""
+    from skimage.measure import marching_cubes
+
+    return marching_cubes(values, isovalue, spacing=spacing, step_size=2)[:2]
+
+
 def contours(values, isovalue, spacing):
     """Contours with high values on their left."""
     from skimage.measure import find_contours
@@ -68,6 +75,15 @@ METHODS = {
             "conventions": _CONVENTIONS,
             "limits": {"least": 2},
             "notes": "lewiner with allow_degenerate=False",
+        },
+    },
+    "skimage:step-size": {
+        "function": "every_second",
+        "declaration": {
+            "vertices": {"own": 2.0},
+            "conventions": _CONVENTIONS,
+            "limits": {"least": 3},
+            "notes": "lewiner with step_size=2: every second sample is its lattice",
         },
     },
     "skimage:find-contours": {

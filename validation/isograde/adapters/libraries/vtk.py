@@ -6,14 +6,20 @@ from itertools import permutations
 import numpy as np
 
 
-def surface(values, isovalue, spacing, module, filter_name, widened=True):
-    """The surface by a filter for values; `widened` types of samples that VTK does not have."""
+def surface(values, isovalue, spacing, module, filter_name, widened=True, directions=None):
+    """The surface by a filter for values; `widened` types of samples that VTK does not have.
+
+    directions : a row for each axis, the columns of VTK's matrix
+    """
     contour = getattr(import_module(f"vtkmodules.{module}"), filter_name)()
     contour.SetValue(0, isovalue)
     contour.ComputeNormalsOff()
     contour.ComputeGradientsOff()
     contour.ComputeScalarsOff()
-    contour.SetInputData(image([known_to_vtk(values) if widened else values], spacing))
+    data = image([known_to_vtk(values) if widened else values], spacing)
+    if directions is not None:
+        data.SetDirectionMatrix(*directions.T.ravel().tolist())
+    contour.SetInputData(data)
     contour.Update()
     return cells(contour.GetOutput(), 3, 3)
 
@@ -178,11 +184,20 @@ def _values(filter_name, **more):
     }
 
 
+def _placed(filter_name):
+    """The row of a filter for values that is also given directions and negative spacings."""
+    row = _values(filter_name)
+    said = {**row["declaration"], "limits": {"directions": True, "negative": True}}
+    return {**row, "declaration": {**said, "notes": "given vtkImageData's direction matrix"}}
+
+
 METHODS = {
     "vtk:marching-cubes": _values("vtkMarchingCubes"),
     "vtk:flying-edges": _values("vtkFlyingEdges3D"),
     "vtk:flying-edges-raw": _values("vtkFlyingEdges3D", widened=False),
     "vtk:contour-filter": _values("vtkContourFilter"),
+    "vtk:flying-edges-directions": _placed("vtkFlyingEdges3D"),
+    "vtk:contour-filter-directions": _placed("vtkContourFilter"),
     "vtk:discrete-marching-cubes": {
         "function": "labels",
         "options": {"module": "vtkFiltersGeneral", "filter_name": "vtkDiscreteMarchingCubes"},
