@@ -2,7 +2,6 @@
 
 import gzip
 import json
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -321,36 +320,7 @@ def test_reports_of_unlike_plans_are_not_compared(
     assert "unlike plans" in run("diff", sound, other).output
 
 
-# --- Systems -------------------------------------------------------------------------------------
-
-
-def test_a_system_without_fcntl_is_told_so() -> None:
-    """As on Windows: what cannot be watched is refused with a sentence; help and lists work."""
-    hide = (
-        "import sys, importlib.abc\n"
-        "class Hide(importlib.abc.MetaPathFinder):\n"
-        "    def find_spec(self, name, path=None, target=None):\n"
-        "        if name == 'fcntl':\n"
-        "            raise ModuleNotFoundError(name)\n"
-        "sys.modules.pop('fcntl', None)\n"
-        "sys.meta_path.insert(0, Hide())\n"
-        "import importlib.util\n"
-        "find = importlib.util.find_spec\n"
-        "importlib.util.find_spec = lambda n, p=None: None if n == 'fcntl' else find(n, p)\n"
-        "from isograde.command import main\n"
-    )
-    for arguments, status, word in (
-        (["check", "isoref:lorensen-cline"], 3, "takes process groups and fcntl"),
-        (["grade", "isoref:lorensen-cline"], 3, "takes process groups and fcntl"),
-        (["list", "levels"], 0, "closed"),
-    ):
-        program = f"{hide}sys.argv = ['isograde', *{arguments!r}]\nmain()"
-        done = subprocess.run(
-            [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=False
-        )
-        assert done.returncode == status, done.stderr
-        assert word in done.stdout + done.stderr
-        assert "Traceback" not in done.stderr
+# --- Foreign code ------------------------------------------------------------------------------
 
 
 def test_foreign_code_is_announced_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -104,7 +104,7 @@ class Machine:
 
     def __init__(self) -> None:
         self.processors = os.cpu_count() or 1
-        self.load = os.getloadavg()[0]
+        self.load = psutil.getloadavg()[0]
         self._start, self._busy, self._own = time.monotonic(), _busy(), _own()
 
     @property
