@@ -7,7 +7,7 @@ EXTRAS ?= all,dev
 # Tests run one process a core.
 WORKERS ?= auto
 
-.PHONY: explorer help grade test quick lint correct lines faults fuzz mutation oldest proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
+.PHONY: explorer help grade test quick lint correct lines faults fuzz mutation oldest newest proof papers benchmarks reports league catalogue packages site linkcheck lite slides clean
 
 help:
 	@echo "make grade       grade scikit-image's marching cubes; says where the report is"
@@ -22,6 +22,7 @@ help:
 	@echo "make lines       run the lines of every kept report on the accused and on the reference"
 	@echo "make mutation    mutants of oracles and claims; goes on where it stopped"
 	@echo "make oldest      the lowest NumPy and SciPy that we support give the same verdicts"
+	@echo "make newest      the newest do too (WITH=python3.13: those that this Python has)"
 	@echo "make papers      reproduce the papers' tables and figures into reports/papers"
 	@echo "make reports     grade every ready-made implementation into reports/implementations"
 	@echo "make league      build and grade every package of validation/league, and write the page to choose by; NAMES=\"vtk-js yt\" for some"
@@ -79,6 +80,9 @@ mutation: $(STAMP)
 
 oldest: $(STAMP)
 	$(BIN)/python -m tests.isograde.repeated --oldest
+
+newest: $(STAMP)
+	$(BIN)/python -m tests.isograde.repeated --newest $(if $(WITH),--python $(WITH))
 
 papers: $(STAMP)
 	@for program in $$(grep -l __main__ papers/*/*.py); do echo "== $$program"; $(BIN)/python $$program || exit 1; done

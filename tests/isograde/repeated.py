@@ -2,6 +2,8 @@
 
     python -m tests.isograde.repeated              prints them, a line of JSON
     python -m tests.isograde.repeated --oldest     asks the lowest NumPy and SciPy: ``make oldest``
+    python -m tests.isograde.repeated --newest     asks the newest there are: ``make newest``
+    .. --newest --python PYTHON                    those for another Python, made an environment of
 
 What is compared is what every claim says of every case, but for what calls cost, which no two runs
 measure alike.
@@ -9,6 +11,7 @@ measure alike.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -105,30 +108,51 @@ def features() -> str:
     return " ".join(name for name in umath.__cpu_dispatch__ if umath.__cpu_features__.get(name))
 
 
-def oldest() -> int:
-    """0 where the lowest versions that pyproject.toml allows give the same verdicts."""
-    said = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    wanted = said["project"]["dependencies"]
-    lowest = [
+def lowest(wanted: list[str]) -> list[str]:
+    """The requirements, NumPy and SciPy in the lowest versions that are allowed.
+
+    >>> lowest(["numpy>=1.26", "typer>=0.12"])
+    ['numpy==1.26.*', 'typer>=0.12']
+    """
+    return [
         re.sub(r">=([\d.]+).*", r"==\1.*", one) if re.match("numpy|scipy", one) else one
         for one in wanted
     ]
+
+
+def compared(requirements: list[str], python: str) -> int:
+    """0 where an environment of this Python with these packages gives the same verdicts."""
     with tempfile.TemporaryDirectory() as name:
-        subprocess.run([sys.executable, "-m", "venv", name], check=True)
-        python = Path(name, "bin", "python")
-        command = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*command, *lowest], check=True)
-        versions = "import numpy, scipy; print(numpy.__version__, scipy.__version__)"
-        subprocess.run([str(python), "-c", versions], check=True)
-        told = differing(verdicts(), elsewhere(python))
-    print("\n".join(told) or "the same verdicts")
+        subprocess.run([python, "-m", "venv", name], check=True)
+        there = Path(name, "bin", "python")
+        command = [str(there), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        subprocess.run([*command, *requirements], check=True)
+        versions = (
+            "import sys, numpy, scipy; "
+            "print('Python', sys.version.split()[0], 'NumPy', numpy.__version__, "
+            "'SciPy', scipy.__version__)"
+        )
+        for one in (sys.executable, there):
+            subprocess.run([str(one), "-c", versions], check=True)
+        here, said = verdicts(), elsewhere(there)
+    told = differing(here, said)
+    count = sum(len(claims) for cases in here.values() for claims in cases.values())
+    print("\n".join(told) or f"the same {count:,} verdicts")
     return bool(told)
 
 
 def main() -> int:
     """Print, or compare."""
-    if sys.argv[1:] == ["--oldest"]:
-        return oldest()
+    parser = argparse.ArgumentParser(description="Verdicts, to be compared.")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--oldest", action="store_true", help="with the lowest NumPy and SciPy")
+    which.add_argument("--newest", action="store_true", help="with the newest NumPy and SciPy")
+    parser.add_argument("--python", default=sys.executable, help="the Python to ask them with")
+    asked = parser.parse_args()
+    if asked.oldest or asked.newest:
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+        wanted: list[str] = project["dependencies"]
+        return compared(lowest(wanted) if asked.oldest else wanted, asked.python)
     print(json.dumps(verdicts()))
     return 0
 
