@@ -51,7 +51,8 @@ WITHOUT = {"robustness.nan", "robustness.bad_input"}
 # Those that take more than a few lines to show, of which the page says that.
 LONGER = {
     "robustness.elsewhere", "topology.tie_side", "accuracy.normals_returned",
-    "symmetry.directions", "symmetry.normals_returned", "accuracy.continuity", "curves.confidence", "accuracy.shapes",
+    "symmetry.directions", "symmetry.normals_returned", "accuracy.continuity",
+    "curves.confidence", "accuracy.shapes",
 }  # fmt: skip
 
 
