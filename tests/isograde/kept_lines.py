@@ -17,6 +17,7 @@ import io
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import sys
 import tempfile
@@ -110,6 +111,9 @@ def reference(
 
     tidy : without its double vertices, where the claim is of `TIDIED`
     """
+    # No method of ours has its vertices on a lattice of its own, and so no border where they end.
+    if declared.vertices == "own":
+        return None
     # The lines weld a soup; the sheets that touch at a tie are then joined, in ours too.
     if claim in NONE or (claim in EITHER and declared.soup is not None):
         return None
@@ -204,6 +208,8 @@ def _ended(program: str, given: dict[str, Any], place: str) -> tuple[str, str]:
 
 def with_reference(program: str) -> str:
     """The program, with `extract` replaced behind the lines that define it."""
+    # A program is slow to start, and not asked: an echo answers its greeting.
+    program = re.sub("^command = .*$", "command = 'cat'", program, flags=re.MULTILINE)
     for start in ("\n\ndef arrays(", "\nvalues = ", "\n# A "):
         at = program.find(start)
         if at >= 0:

@@ -33,6 +33,19 @@ def test_right_arrays_pass(name: str) -> None:
     assert verdict(name, POINTS, FACES) is Verdict.PASS
 
 
+@pytest.mark.parametrize("name", ["apart", "with_measure"])
+@pytest.mark.parametrize("soup", [None, 1e-6])
+def test_what_is_near_an_end_of_the_domain_is_not_brought_together_there(
+    name: str, soup: float | None
+) -> None:
+    """Of VTK's smoothed nets and misc3d: on either side of the last samples, by rounding."""
+    near = np.array([[1.5, 0.5, 2 - 1e-6], [1.5, 0.5, 2 + 1e-6], [1.9, 0.5, 2.0], [1.5, 1, 1.5]])
+    assert verdict(name, near, [[0, 1, 2], [1, 3, 2]], soup=soup) is Verdict.PASS
+    near[:2, 2] = 2
+    expected = Verdict.PASS if soup else Verdict.FAIL
+    assert verdict(name, near, [[0, 1, 2], [1, 3, 2]], soup=soup) is expected
+
+
 # A fault of the arrays, and the claim that names it.
 FAULTS: list[tuple[str, Any, Any]] = [
     ("shapes", POINTS[:, :2], FACES),

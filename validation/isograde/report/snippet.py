@@ -162,12 +162,14 @@ if len(posed_simplices) != len(simplices):
     wrong.append(f"{len(simplices)} simplices; {meaning}, {len(posed_simplices)}")
 """
 SHOW_PLACES = """
-if len(posed_vertices) and len(vertices):
-    away = abs(posed_vertices[:, None] - vertices).max(axis=2).min(axis=1)
-    far = posed_vertices[away.argmax()]
-    wrong += [f"a vertex at {far.tolist()}, {meaning}"] if away.max() > 1e-4 else []
-elif len(posed_vertices) != len(vertices):
-    wrong.append(f"{len(vertices)} vertices; {meaning}, {len(posed_vertices)}")
+here, there = vertices[np.unique(simplices)], posed_vertices[np.unique(posed_simplices)]
+for points, others, where in (there, here, meaning), (here, there, "in the plain answer"):
+    if len(points) and len(others):
+        away = abs(points[:, None] - others).max(axis=2).min(axis=1)
+        far = f"a vertex at {points[away.argmax()].tolist()}, {where}, in one answer only"
+        wrong += [far] if away.max() > 1e-4 else []
+if (not len(here)) != (not len(there)):
+    wrong.append(f"{len(here)} vertices; {meaning}, {len(there)}")
 """
 SHOW_SEGMENTS = """
 # Edges that lie in a face between cells, each by its two ends: they say how faces are decided.
@@ -396,6 +398,7 @@ def _of_samples(report: Report, summary: Summary, call: str) -> str:
     if record is None:
         raise NoLinesError("The case was not kept; the command above makes it again.")
     posed = record.get("posed", {})
+    raised = _raised(posed)
     if summary.id in BY_ITSELF and posed.get("values"):
         # The changed field is judged by itself.
         record = {**posed, "finding": record["finding"], "kind": record["kind"]}
@@ -407,7 +410,7 @@ def _of_samples(report: Report, summary: Summary, call: str) -> str:
     if _has_nan(record.get("posed", record)):
         lines += ["nan = np.nan", ""]
     lines.append(_samples(record, m))
-    if summary.id in ON_CALL or _raised(posed):
+    if summary.id in ON_CALL or raised:
         return _on_call(record, summary, call, lines)
     shown = _shows(report, record, summary, house)
     if shown is None:
@@ -779,6 +782,8 @@ def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
     told : how they differ
     """
     name = posed["variant"]
+    if "turned over" in told:
+        return None
     surfaces = (n, m) == (3, 1)
     segments = SHOW_SEGMENTS.format(least=-1) if surfaces else ""
     segments = SHOW_TOGETHER if "hang together" in told else segments
