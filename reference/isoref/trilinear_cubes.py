@@ -713,17 +713,17 @@ def drawn(largest: int) -> Rule:
 
     The topology is the same, and the triangles lie nearer to the level set. With 3 every polygon
     but a triangle gets its point, which is what Lopes and Brodlie do [2]; with 5, those of six
-    sides and more, at far fewer triangles.
+    sides and more, at far fewer triangles; with 2 triangles too, nearer than theirs and at more.
 
     Raises
     ------
     ValueError
-        for fewer than three sides
+        for fewer than two sides
 
     >>> drawn(5).name, len(drawn(5).tile(0b00000011, 0).triangles)
     ('trilinear-cubes-5', 2)
     """
-    if largest < 3:
-        raise ValueError(f"a polygon has three sides at least, not {largest}")
+    if largest < 2:
+        raise ValueError(f"a polygon has three sides at least: give 2 or more, not {largest}")
     name = f"trilinear-cubes-{largest}"
     return Rule(name, partial(tile, largest=largest), decisions, asks, bits=8)

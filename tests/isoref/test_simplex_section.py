@@ -207,3 +207,19 @@ def test_bad_input_is_refused_with_a_reason() -> None:
     with pytest.raises(ValueError, match="small positive number"):
         with_epsilon([0.0], 0.0)
     assert len(staircase(1, 1)) == 1
+
+
+@given(
+    st.floats(max_value=-5e-324, allow_infinity=False),
+    st.floats(min_value=0, allow_infinity=False),
+    st.lists(st.tuples(st.integers(-99, 99), st.integers(0, 1)), min_size=2, max_size=5),
+)
+def test_a_crossing_is_on_its_edge_whatever_the_magnitude(
+    negative: float, positive: float, ends: list[tuple[int, int]]
+) -> None:
+    """Section 3: the procedure is numerically stable, as it only takes points between two."""
+    low = np.array([a for a, _ in ends], float)
+    high = low + np.array([step for _, step in ends])
+    with np.errstate(over="ignore"):
+        found = crossing(low[None], high[None], [negative], [positive])[0]
+    assert ((low <= found) & (found <= high)).all()

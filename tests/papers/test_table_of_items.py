@@ -48,6 +48,7 @@ def test_every_place_exists(section: str) -> None:
             folder / name,
             ROOT / "papers" / name,
             ROOT / "tests" / "isoref" / name,
+            ROOT / "tests" / "isograde" / name,
         ]
         assert any(place.exists() for place in places), f"{section}: {name}"
 
@@ -72,3 +73,23 @@ def test_every_program_of_the_papers_can_be_started(program: Path) -> None:
     """Each imports what it needs: a name that moved would be found by nobody else."""
     module = importer(program.parent.name)(program.stem)
     assert module.__doc__
+
+
+PAGES = [
+    *sorted((ROOT / "papers").rglob("*.md")),
+    *sorted((ROOT / "reports" / "papers").rglob("*.md")),
+]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_of_a_page_leads_somewhere(page: Path) -> None:
+    """Links and pictures inside the repository, of the readings and of the reports."""
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+    inner = [link for link in links if not re.match(r"[a-z]+:", link)]
+    assert [link for link in inner if not (page.parent / link).exists()] == []
+
+
+def test_there_are_links_to_follow() -> None:
+    """Pages, and links on them."""
+    assert len(PAGES) > 15
+    assert sum(page.read_text(encoding="utf-8").count("](") for page in PAGES) > 60

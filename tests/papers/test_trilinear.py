@@ -290,3 +290,34 @@ def test_what_the_reading_says_of_implementations_is_on_the_kept_page() -> None:
         assert marks["4.2"] == "✓"
         assert not any("F" in mark for mark in marks.values())
         assert sum("M" in mark for mark in marks.values()) > 3
+
+
+def test_what_is_said_of_drawings_follows_from_what_was_measured(
+    module: Callable[[str], Any],
+) -> None:
+    """A distance that grows, a triangle more, a crossing, an edge too full, a proof that fails."""
+    drawing = module("drawing")
+
+    def row(far: float, triangles: float, *, crossings: int = 0, crowded: int = 0) -> Any:
+        return drawing.Drawn(far, far, triangles, 30.0, 0.01, crossings, crowded)
+
+    good = {
+        drawing.PLAIN: row(0.06, 100),
+        drawing.NEAR: row(0.05, 100),
+        drawing.THREE: row(0.03, 150),
+        drawing.TWO: row(0.02, 180),
+    }
+    proved = {"a": True, "b": True}
+    assert not drawing.verdicts({"noise": good}, proved).differing()
+    for method, changed, wrong in (
+        (drawing.NEAR, row(0.06, 100), 1),
+        (drawing.NEAR, row(0.05, 101), 1),
+        (drawing.THREE, row(0.019, 150), 1),
+        (drawing.TWO, row(0.02, 150), 1),
+        (drawing.PLAIN, row(0.01, 100), 2),
+        (drawing.NEAR, row(0.05, 100, crossings=1), 1),
+        (drawing.NEAR, row(0.05, 100, crowded=1), 1),
+    ):
+        table = drawing.verdicts({"noise": {**good, method: changed}}, proved)
+        assert len(table.differing()) == wrong, method
+    assert len(drawing.verdicts({"noise": good}, {"a": True, "b": False}).differing()) == 1
