@@ -200,7 +200,7 @@ def _conclusion(
     few = sum(reading.waves < WAVES[-1] for reading in fitting)
     return (
         f"The lines of {len(fitting)} of {len(furthest)} readings fit the print, {few} of them "
-        f"with fewer than {WAVES[-1]} waves, whose draws scatter most. Both surfaces fit as well "
-        f"in {len(explaining)}: {names}. The means nearest to the print are those of {nearest}, "
-        f"{furthest[nearest]:.3f} off at most; it {word}. The paper does not say which it was."
+        f"with fewer than {WAVES[-1]} waves. Both surfaces fit as well in {len(explaining)}: "
+        f"{names}. The means nearest to the print are those of {nearest}, {furthest[nearest]:.3f} "
+        f"off at most; it {word}. The paper does not say which it was."
     )

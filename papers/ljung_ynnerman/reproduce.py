@@ -24,6 +24,7 @@ import ljung_joining as joinings
 import ljung_lines as lines
 import ljung_misprints as misprints
 import ljung_scaling as scalings
+import ljung_words as words
 import numpy as np
 from isograde.reproduction import Table, write_report
 from isoref import lorensen_cline
@@ -136,22 +137,30 @@ def table_1(side: int, seeds: Sequence[int]) -> tuple[list[Table], dict[str, dic
     return tables, means
 
 
+# The rows of Table 1, and the captions of Figure 1 that count the same.
+BOTH = {"real": "real_triangles", "imaginary": "imaginary_triangles", "lines": "line_segments"}
+
+
 def consistency() -> Table:
     """What the printed numbers say about each other."""
-    table = Table("Table 1 and Figure 1 are not of the same data")
-    printed, figure = PRINTED["table_1"], PRINTED["figure_1"]
-    for part, name in (
-        ("real", "real_triangles"),
-        ("imaginary", "imaginary_triangles"),
-        ("lines", "line_segments"),
-    ):
-        mean = sum(n * share / 100 for n, share in enumerate(printed[part]))
-        implied = round(mean * printed["voxels"])
-        note = "first: caption of Figure 1; second: what the row of Table 1 adds up to"
-        table.add(f"primitives, {part}", figure[name], implied, note=note)
+    printed, (captions, implied) = PRINTED["table_1"], of_both()
+    table = Table(words.one_field(captions, implied))
+    note = "first: caption of Figure 1; second: what the row of Table 1 adds up to"
+    for part, name in BOTH.items():
+        table.add(f"primitives, {part}", captions[name], implied[name], note=note)
     voxels = (printed["side"] - 1) ** 3
     table.add("voxels of a 128^3 cube", printed["voxels"], voxels, note="127^3")
     return table
+
+
+def of_both() -> tuple[dict[str, int], dict[str, int]]:
+    """Primitives by the captions of Figure 1, and as the rows of Table 1 add up."""
+    printed, figure = PRINTED["table_1"], PRINTED["figure_1"]
+    implied = {}
+    for part, name in BOTH.items():
+        mean = sum(n * share / 100 for n, share in enumerate(printed[part]))
+        implied[name] = round(mean * printed["voxels"])
+    return {name: figure[name] for name in BOTH.values()}, implied
 
 
 def empty_share_of_figure_1() -> float:
@@ -206,10 +215,6 @@ CAPTIONS = {
 }
 # What a table says, by the first words of its title.
 READINGS = {
-    "Table 1 and Figure 1": """
-Both are said to be of a 128^3 cube of random waves. The figure must show a field of smaller wave
-number: a wave number is found for each below.
-""",
     "Figures 5 and 6": """
 The law is of large volumes. Small lattices miss details of the wave, and the faces of the border
 are tested too: the rows that allow for both are the ones to compare.
@@ -250,7 +255,8 @@ def of_waves(side: int, sides: Sequence[int], seeds: int, report: Path) -> list[
         return matching_wave_number(sampler, side, seed, printed["real"][0])
 
     every = lines.readings(SAMPLERS, side, range(seeds), printed, match)
-    parts: list[Table | str] = [*tables, every, consistency()]
+    same = words.of_which_waves(*of_both())
+    parts: list[Table | str] = [*tables, every, consistency(), same]
     parts += growth(sides, max(2, seeds // 2), 27.0 * side / 128, folder)
     chosen = matching_wave_number(bounded_waves, side, 0, empty_share_of_figure_1())
     waves = Waves.of(bounded_waves((side,) * 3, chosen, seed=0), chosen, side)

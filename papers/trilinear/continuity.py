@@ -188,14 +188,10 @@ def report(number: int) -> str:
         told = " | ".join(f"{np.median(m):.4f}, {np.quantile(m, 0.99):.4f}" for m in moved)
         crossed, triangles = crossings(rule, range(3))
         lines.append(f"| {rule.name} | {told} | {triangles:,} | {crossed} |")
-    ways = (STEPS[-1] / STEPS[0]) ** 0.5
-    shrinks = [name for name, m in medians.items() if m[-1] < 3 * ways * m[0]]
-    plain = medians["trilinear-cubes"][-1]
     lines += [
         "",
-        "Triangles and crossings are those of three fields of 12^3 samples of white noise. The "
-        f"plain rule's median jump is {plain:.2f} of a cell's side, however small the step. Rules "
-        f"whose median jump shrinks with the root of the step: {', '.join(shrinks) or 'none'}.",
+        "Triangles and crossings are those of three fields of 12^3 samples of white noise. "
+        + conclusion(medians),
         "",
         "## The other end: a saddle on a face",
         "",
@@ -228,6 +224,18 @@ def report(number: int) -> str:
         lines.append(f"| {name} | {told} |")
     lines.append("")
     return "\n".join(lines)
+
+
+def conclusion(medians: dict[str, Floats]) -> str:
+    """How the median jumps of each rule fall with the step, which falls by `STEPS`."""
+    plain = medians[trilinear_cubes.RULE.name]
+    ways = (STEPS[-1] / STEPS[0]) ** 0.5
+    shrinks = [name for name, m in medians.items() if m[-1] < 3 * ways * m[0]]
+    return (
+        f"The plain rule's median jump goes from {plain[0]:.2f} to {plain[-1]:.2f} of a cell's "
+        f"side as the step goes from {STEPS[0]:g} to {STEPS[-1]:g}. Rules whose median jump "
+        f"shrinks with the root of the step: {', '.join(shrinks) or 'none'}."
+    )
 
 
 def main() -> None:

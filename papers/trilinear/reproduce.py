@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -30,6 +30,7 @@ from isograde.oracles.sheets import Fault, judge
 from isograde.oracles.trilinear import NONE, cells
 from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
 from isograde.oracles.trilinear_cases import (
+    Topology,
     case_name,
     case_names,
     classes,
@@ -39,6 +40,7 @@ from isograde.oracles.trilinear_cases import (
 )
 from isograde.oracles.trilinear_grid import active_cells, grid
 from isograde.reproduction import Table, write_report
+from isoref.cycles import cycles
 from isoref.field import Field
 from isoref.methods import METHODS
 
@@ -150,20 +152,45 @@ def how_many_cases(share: int) -> list[Table | str]:
     kinds = {representative(one, mirror=False, exchange=False) for one in every_topology()}
     kinds = {one for one in kinds if all(one.faces)}
     without = {(one.signs, one.faces) for one in kinds}
-    table.add(
-        "classes of these under the rotations",
-        printed["classes of 13"],
-        len(without),
-        note="13A to 13J: the three with opposite faces against each other cannot occur; three "
-        "faces round a corner are two classes, [12] and [3, 6, 3], and Figure 16 has one",
+    table.add("classes of these under the rotations", printed["classes of 13"], len(without),
+              note=of_three(without))  # fmt: skip
+    shown = f"![the cases](trilinear/cases.png)\n\n{caption(classes(mirror=False))}\n\n{TUNNEL}"
+    return [table, _each_case(share), shown]
+
+
+Decided = tuple[tuple[int, ...], tuple[int, ...]]
+
+
+def of_three(decided: Iterable[Decided]) -> str:
+    """The classes of configuration 13 with three faces separated, by their polygons' sides."""
+    lengths = []
+    for signs, faces in decided:
+        if sum(face < 0 for face in faces) == 3:
+            corners = sum(1 << c for c, sign in enumerate(signs) if sign > 0)
+            separated = sum(1 << f for f, face in enumerate(faces) if face < 0)
+            lengths.append(sorted(map(len, cycles(corners, separated))))
+    shown = ", ".join("+".join(map(str, own)) for own in sorted(lengths))
+    return f"{len(lengths)} of them with three faces separated, polygons of {shown or 'none'} sides"
+
+
+def caption(drawn: Iterable[Topology]) -> str:
+    """How many classes are drawn, and which of them are mirror images of each other."""
+    every = list(drawn)
+    together: dict[Topology, list[str]] = {}
+    for one in every:
+        together.setdefault(representative(one), []).append(case_name(one))
+    pairs = sorted(names for names in together.values() if len(names) > 1)
+    told = [
+        f"the two {names[0]}" if len(set(names)) == 1 else " and ".join(sorted(names))
+        for names in pairs
+    ]
+    return (
+        f"The {len(every)} classes as trilinear cubes draws them; tunnels in orange, dots on high "
+        f"corners.\nMirror images of each other: {', '.join(told) or 'none'}."
     )
-    return [table, _each_case(share), "![the cases](trilinear/cases.png)\n\n" + CAPTION]
 
 
-CAPTION = """The 33 classes as trilinear cubes draws them; tunnels in orange, dots on high corners.
-Cases 11 and 14, and the two 12.2, are mirror images.
-
-![a tunnel](trilinear/tunnel.png)
+TUNNEL = """![a tunnel](trilinear/tunnel.png)
 
 Two opposite corners joined through the middle of the cell, and not: the level set, the reference,
 and the asymptotic decider, which looks at faces only.

@@ -239,3 +239,27 @@ def test_a_reading_that_is_far_from_the_print_does_not_fit(
     assert not lines.fit(draws, printed, {"lines": range(1, 6)}).differing()
     away = [{"lines": one["lines"] + 0.06} for one in draws]
     assert len(lines.fit(away, printed, {"lines": range(1, 6)}).differing()) == 5
+
+
+# The sentences of the report follow from the results they are given
+
+
+def test_whether_two_counts_can_be_of_one_field_follows_from_them(
+    module: Callable[[str], ModuleType], reproduce: ModuleType
+) -> None:
+    """Table 1 and the captions of Figure 1; the figure has fewer triangles, or the table."""
+    words = module("ljung_words")
+    captions, implied = reproduce.of_both()
+    assert words.one_field(captions, implied).endswith("are not of the same data")
+    assert words.one_field(captions, captions).endswith("may be of the same data")
+    assert "The figure must show a field of smaller" in words.of_which_waves(captions, implied)
+    assert "The table must be of a field of smaller" in words.of_which_waves(implied, captions)
+    mixed = {**implied, "real_triangles": 1}
+    assert words.of_which_waves(captions, mixed).endswith("Neither has fewer triangles throughout.")
+
+
+def test_a_bound_is_kept_or_broken(module: Callable[[str], ModuleType]) -> None:
+    """Section 4.2: at most 25 pairs in a voxel."""
+    bound = module("ljung_words").bound
+    assert bound(25, 25).endswith("a bound, kept")
+    assert bound(26, 25).endswith("a bound, broken")

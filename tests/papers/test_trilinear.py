@@ -321,3 +321,35 @@ def test_what_is_said_of_drawings_follows_from_what_was_measured(
         table = drawing.verdicts({"noise": {**good, method: changed}}, proved)
         assert len(table.differing()) == wrong, method
     assert len(drawing.verdicts({"noise": good}, {"a": True, "b": False}).differing()) == 1
+
+
+def test_sentences_on_classes_follow_from_the_classes(module: Callable[[str], Any]) -> None:
+    """How many are drawn, which are mirror images, and polygons of three separated faces."""
+    reproduce = module("reproduce")
+    every = classes(mirror=False)
+    told = reproduce.caption(every)
+    assert told.startswith("The 33 classes as")
+    assert told.endswith("Mirror images of each other: 11 and 14, the two 12.2.")
+    few = [one for one in every if case_name(one) not in ("14", "12.2")]
+    assert reproduce.caption(few).startswith("The 30 classes as")
+    assert reproduce.caption(few).endswith("each other: none.")
+    thirteen = {(one.signs, one.faces) for one in every_topology() if all(one.faces)}
+    assert reproduce.of_three([]) == "0 of them with three faces separated, polygons of none sides"
+    told = reproduce.of_three(thirteen)
+    assert told.startswith(f"{told.count('3+3+6') + told.count('12')} of them")
+    assert told.count("3+3+6") > 0
+
+
+def test_what_is_said_of_jumps_follows_from_the_medians(module: Callable[[str], Any]) -> None:
+    """A rule whose jump falls with the root of the step, and one whose jump stays."""
+    conclusion = module("continuity").conclusion
+    medians = {
+        "trilinear-cubes": np.array([0.41, 0.33, 0.32]),
+        "other": np.array([0.3, 0.03, 0.003]),
+    }
+    told = conclusion(medians)
+    assert "median jump goes from 0.41 to 0.32 of a cell's side as the step goes from 0.01" in told
+    assert told.endswith("root of the step: other.")
+    still = conclusion({"trilinear-cubes": medians["other"], "other": medians["trilinear-cubes"]})
+    assert still.endswith("root of the step: trilinear-cubes.")
+    assert conclusion({"trilinear-cubes": np.ones(3)}).endswith("root of the step: none.")
