@@ -26,16 +26,18 @@ def value_and_gradient(values: Array, points: Floats) -> tuple[Floats, Floats]:
     (array([3.5]), array([[4., 2., 1.]]))
     """
     cell = np.clip(np.floor(points).astype(np.int64), 0, np.subtract(values.shape, 2))
-    t = points - cell
-    total, slope = np.zeros(len(points)), np.zeros((len(points), 3))
+    sides = [(1 - t, t) for t in np.ascontiguousarray((points - cell).T)]
+    steps = np.array([values.shape[1] * values.shape[2], values.shape[2], 1])
+    flat, low = values.reshape(-1), cell @ steps
+    total, slope = np.zeros(len(points)), np.zeros((3, len(points)))
     for corner in np.ndindex(2, 2, 2):
-        sample = values[tuple((cell + np.array(corner)).T)]
-        weights = np.where(np.array(corner), t, 1 - t)
-        total += sample * weights.prod(axis=1)
-        for axis in range(3):
-            others = np.delete(weights, axis, axis=1).prod(axis=1)
-            slope[:, axis] += sample * others * (1 if corner[axis] else -1)
-    return total, slope
+        sample = flat.take(low + int(steps @ corner))
+        weights = [pair[side] for pair, side in zip(sides, corner, strict=True)]
+        total += sample * (weights[0] * weights[1] * weights[2])
+        for axis, (one, other) in enumerate(((1, 2), (0, 2), (0, 1))):
+            step = sample * (weights[one] * weights[other])
+            (np.add if corner[axis] else np.subtract)(slope[axis], step, out=slope[axis])
+    return total, slope.T
 
 
 def distance(values: Array, isovalue: float, points: Floats) -> Floats:
