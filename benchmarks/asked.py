@@ -47,7 +47,7 @@ Every goal that was set for speed and memory, beside what `make benchmarks` foun
 ran. Ratios are medians over rounds in which the contestants took turns, with their quartiles in
 brackets, of processor time, one thread. A goal is met where the median is on its right side; what
 is not met has its profile and the reason on the page it links to. This page is written by
-`benchmarks/asked.py` from the numbers the pages keep in [`goals`](goals)."""
+`benchmarks/asked.py` from the numbers that the pages keep in `reports/benchmarks/goals`."""
 
 
 def read(folder: Path) -> list[tuple[str, bool, Goal]]:

@@ -12,11 +12,13 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import statistics
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from dataclasses import field as entry
+from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -25,9 +27,9 @@ import numpy as np
 from floor import floor, leaves
 from isograde.cases.volumes import REGISTRY, find, read
 from isograde.report.plot import Bar, bars
-from isograde.stopwatch import Cost, Timing, in_turn, peak_memory, timed
+from isograde.stopwatch import Cost, Timing, in_turn, interleave, peak_memory, timed
 from isoref.fast._bits import Bits
-from isoref.fast.sweep import _Sweep, sweep
+from isoref.fast.sweep import PART_CELLS, SLAB_POINTS, _Sweep, sweep
 from isoref.field import Array, Field
 from isoref.methods import METHODS, RULES
 from outside import PEERS, AbsentError, Outside, library, version
@@ -36,6 +38,7 @@ from pages import profile as profile_of
 from scipy.ndimage import gaussian_filter
 
 Run = Callable[[], object]
+SWEEP = sys.modules[sweep.__module__]
 DECIDER = RULES["asymptotic-decider"]
 OURS, OURS_SINGLE = "isoref asymptotic-decider", "isoref asymptotic-decider, single"
 ANEURISM, BUNNY = REGISTRY["aneurism"], REGISTRY["bunny"]
@@ -414,6 +417,34 @@ registers, are these passes and as many again to find the crossing's bit, name i
 cells their signs and their tiles, and the corners their edges."""
 
 
+#: The arrays that a sweep works in, whole and by halves: places of a slab, cells of a part.
+ROOMS = {"as it is": (SLAB_POINTS, PART_CELLS), "by halves": (SLAB_POINTS // 2, PART_CELLS // 2)}
+
+
+def rooms(values: Array, found: Measured) -> list[str]:
+    """A row of a table: memory beside the output and time, with whole and with half rooms."""
+    field, isovalue = Field.of(values), ISOVALUES.get(found.name, 0.0)
+
+    def run(places: int, cells: int) -> None:
+        with (
+            patch.object(SWEEP, "SLAB_POINTS", places),
+            patch.object(SWEEP, "PART_CELLS", cells),
+        ):
+            sweep(DECIDER, field, isovalue)
+
+    calls = {name: partial(run, *sizes) for name, sizes in ROOMS.items()}
+    memory = [(peak_memory(call) - found.output[0]) / 2**20 for call in calls.values()]
+    whole, half = interleave(calls, 5)
+    return [found.name, *(f"{one:.0f}" for one in memory), f"{half.over(whole)[0]:.2f}"]
+
+
+WHY_MEMORY = f"""\
+Beside its output a sweep has a table of the vertices on the edges of a slab, of
+{3 * 4 * SLAB_POINTS / 2**20:.0f} MiB, and some forty arrays of a number for each cell or crossing
+of a part, of about {PART_CELLS:,} cells. Memory comes in pages of 2 MiB where the system has them.
+With half the slab and half the part it is less, and the last column says what that costs:"""
+
+
 @contextmanager
 def league(values: Array, isovalue: float) -> Iterator[tuple[dict[str, Outside], dict[str, str]]]:
     """The libraries of the league that are built, each in its process; and why others are not."""
@@ -531,7 +562,7 @@ def main() -> None:
         "single precision is float32 and int32.",
         *(version(name) for name in PEERS),
     )
-    profiles, fines, floors = [], [], []
+    profiles, fines, floors, halves = [], [], [], []
     slow: list[str] = []
     ratios: dict[str, list[Bar]] = {}
     for name in arguments.fields:
@@ -546,6 +577,8 @@ def main() -> None:
         if FINE in found.timings:
             fines.append(fine(values, found))
         slow += reasons(values, found)
+        if found.memory[OURS] - found.output[0] > MEMORY * 2**20:
+            halves.append(rooms(values, found))
         for peer in found.timings.keys() - set(BESIDE):
             ratio = found.timings[peer].over(found.timings[OURS])
             ratios.setdefault(peer, []).append(Bar(name, *ratio))
@@ -563,6 +596,10 @@ def main() -> None:
         page.add("### A point inside each polygon: VESTA mixed H over ours")
         page.table(["", "vertices", "triangles", "bytes of the mesh", "time"], fines)
         page.add(WHY_FINE)
+    if halves:
+        page.add("### Memory beside the output, where it is more than was asked", WHY_MEMORY)
+        heads = ["", "MiB beside the output", "MiB, by halves", "time by halves over time"]
+        page.table(heads, halves)
     if slow:
         page.add("### Other rules, where their goals are not met", WHY_RULES, *slow)
     page.add("## Every field")

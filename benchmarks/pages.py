@@ -94,7 +94,9 @@ class Page:
         self.goals.append(Goal(row, what, float(bound), most, found, absent, WHY))
 
     def show_goals(self) -> None:
-        """The goals noted until now come next, in a table."""
+        """The goals noted until now come next, in a table, where there are any."""
+        if not self.goals:
+            return
         self.add("## What was asked, and what was found")
         self.table(GOAL_HEADS, [one.cells() for one in self.goals])
 
@@ -144,9 +146,28 @@ def profile(run: Callable[[], object], package: str, most: int = 8) -> list[list
     What a function calls outside the package, as NumPy, is its own. Under a profiler calls cost
     more than they do, so shares of functions that are called very often are too large.
     """
+    return own_times(profiled(run), package, most)
+
+
+def profiled(run: Callable[[], object]) -> dict[Any, Any]:
+    """What the profiler counted, by function: calls, calls, own seconds, all seconds, callers."""
     profiler = cProfile.Profile()
     profiler.runcall(run)
     entries: dict[Any, Any] = pstats.Stats(profiler).stats  # type: ignore[attr-defined]
+    return entries
+
+
+def of_numpy(entries: dict[Any, Any]) -> int:
+    """How many of the profiled calls were NumPy's own, in C."""
+    return sum(
+        calls
+        for (_, _, name), (_, calls, *_) in entries.items()
+        if name.startswith("<") and "numpy" in name
+    )
+
+
+def own_times(entries: dict[Any, Any], package: str, most: int = 8) -> list[list[str]]:
+    """The rows of `profile`, of what was counted."""
     inside = {name for name in entries if f"/{package}/" in Path(name[0]).as_posix()}
     own = {name: entries[name][2] for name in inside}
     for name, (*_, callers) in entries.items():

@@ -267,7 +267,7 @@ class _Sweep:
         self.copied: Array | None = None  # the samples of a slab, where they lie in another order
         # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
         self.offset = self.begun = 0
-        # Where on their edges the crossings are of this slab and the one before: as they came, each
+        # Where on their edges the crossings are of this part and the one before: as they came, each
         # with the number of its first vertex, and, where averages ask, so many of them by number.
         self.recent: list[tuple[int, Floats]] = []
         self.parameters, self.entered = np.empty(0), 0
@@ -341,7 +341,7 @@ class _Sweep:
         for axis, step in enumerate(self.lattice.sample_steps.tolist()):
             at[ends[axis] : ends[axis + 1]] += step
         t = self._parameters_of(below, self._relative(take(part.samples, at)))
-        self.recent.append((self.vertices.size, t))
+        self._remember(t)
         if self.traced:
             self._trace(part, edges.samples(), at, t)
 
@@ -354,6 +354,13 @@ class _Sweep:
                 index += edges.bit
             index[ends[axis] : ends[axis + 1]] += t[ends[axis] : ends[axis + 1]]
             out[:, axis] = self._position(index, axis)
+
+    def _remember(self, t: Floats) -> None:
+        """Keep where the new crossings are, and those of the part before, whose plane we share."""
+        gone = max(0, len(self.recent) - 1)
+        del self.recent[:gone]
+        self.entered = max(0, self.entered - gone)
+        self.recent.append((self.vertices.size, t))
 
     def _number(self, part: _Part, places: Integers, ends: list[int]) -> None:
         """Give the edges of a part the next numbers; keep those that the next slab needs."""
