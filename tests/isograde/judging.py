@@ -87,6 +87,7 @@ def as_it_lies(values: NDArray[Any]) -> NDArray[Any]:
         values.shape, values.dtype, memory, offset=first, strides=values.strides
     )
     copy[...] = values
+    copy.flags.writeable = values.flags.writeable
     return copy
 
 

@@ -40,7 +40,7 @@ empty         what a field without a surface gives: an empty mesh (mesh), or an 
 kinds         the (n, m) it takes: [[3, 1]] unless said
 types         NumPy's names of the number types it takes; every type unless said
 least, greatest   samples along each axis; ``samples``, in all; ``cubes``: equal along all axes
-directions    true where it takes the directions of the axes in the world, as a fourth argument
+directions    true where it takes the directions of the axes in the world, as a keyword
               ``directions``: n rows, for each axis of the array the unit vector along which it
               runs; false unless said, and then every axis runs along one of the world's
 negative      true where it takes spacings below zero: an axis that runs backwards in the world

@@ -27,14 +27,14 @@ from typing import Any
 from isograde.claims import CLAIMS
 from isograde.runner import Worker
 
-from tests.isograde.faults import blind, engine, histories, kinds, placed
+from tests.isograde.faults import blind, engine, histories, kinds, outsiders, placed
 from tests.isograde.faults.catching import caught_by, lowest, rank, tasks_of, worker_of
 from tests.isograde.faults.registry import FAULTS, SURVIVORS, Fault
 from tests.isograde.faults.sharing import MOST, Sound, family, sound_worker, verdicts
 
 HERE = Path(__file__).resolve().parents[3]
 BUILD = HERE / "build" / "faults"
-MODULES = (blind, histories, kinds, placed)
+MODULES = (blind, histories, kinds, outsiders, placed)
 CAUGHT = Path(__file__).parent / "caught.json"
 KEPT = HERE / "reports" / "faults" / "matrix.jsonl"
 REPORT = HERE / "reports" / "faults" / "README.md"
@@ -151,8 +151,8 @@ def report() -> None:
     blind_ones = [one for one in FAULTS.values() if one.blind]
     whole = [line for line in done.values() if line["failed"]]
     told = (
-        f"{len(shown)} are caught by the default plan, {len(survivors)} were not, on the special, "
-        f"noise and long cases on which they were tried: {', '.join(survivors)}."
+        f"{len(shown)} of them are caught by the default plan, {len(survivors)} are not: "
+        f"{', '.join(survivors)}."
         if survivors
         else "All of them are caught by the default plan."
     )

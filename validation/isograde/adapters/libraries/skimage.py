@@ -32,7 +32,7 @@ def every_second(values, isovalue, spacing):
     try:
         return marching_cubes(values, isovalue, spacing=spacing, step_size=2)[:2]
     except RuntimeError as error:
-        if "No surface found" not in str(error):
+        if "No surface found" not in str(error) or np.isnan(isovalue):
             raise
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
 
