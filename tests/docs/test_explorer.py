@@ -27,6 +27,7 @@ from tests.loading import module_at
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "explorer"
 PAGE = FOLDER / "explorer.html"
 KUHN = "marching-tetrahedra-kuhn"
+MODES: tuple[Mode, ...] = ("disconnect", "connect", "mixed")
 
 pytestmark = pytest.mark.slow
 
@@ -231,26 +232,30 @@ def corners_of(points: Floats, triangles: Any) -> Floats:
     return order
 
 
-@pytest.mark.parametrize("mode", ["disconnect", "connect", "mixed"])
-def test_contours_are_those_of_isoref(page: str, mode: Mode, tmp_path: Path) -> None:
-    """DICONEX's segments on an image, from the explorer's table of squares."""
+def test_contours_are_those_of_isoref(page: str, tmp_path: Path) -> None:
+    """DICONEX's segments on an image, in each mode, from the explorer's table of squares."""
     values = np.round(np.random.default_rng(6).uniform(-1, 1, (7, 6)), 3)
     script = f"""
-      const [values, m, n] = [{json.dumps(values.tolist())}, 7, 6], found = [];
+      const [values, m, n] = [{json.dumps(values.tolist())}, 7, 6];
+      const found = {{ disconnect: [], connect: [], mixed: [] }};
       for (let i = 0; i + 1 < m; i++) for (let j = 0; j + 1 < n; j++) {{
         const g = [0, 1, 2, 3].map((c) => values[i + (c & 1)][j + (c >> 1)]);
         const joined = {{ disconnect: false, connect: true,
-          mixed: g[0] + g[3] + (g[1] + g[2]) >= 0 }}[{mode!r}];
-        for (const segment of explorer.segments(explorer.tables, g, joined))
-          found.push(segment.map(([x, y]) => [x + i, y + j]));
+          mixed: g[0] + g[3] + (g[1] + g[2]) >= 0 }};
+        for (const mode in found) for (const segment of
+            explorer.segments(explorer.tables, g, joined[mode]))
+          found[mode].push(segment.map(([x, y]) => [x + i, y + j]));
       }}
       return found;
     """
-    mine = sorted(np.round(found(page, script, tmp_path), 9).tolist())
-    mesh = diconex(values, 0.0, mode=mode).mesh
-    theirs = sorted(np.round(mesh.vertices[mesh.simplices], 9).tolist())
-    assert len(mine) > 30
-    np.testing.assert_allclose(mine, theirs, atol=1e-8)
+    told = found(page, script, tmp_path)
+    for mode in MODES:
+        mine = sorted(np.round(told[mode], 9).tolist())
+        mesh = diconex(values, 0.0, mode=mode).mesh
+        theirs = sorted(np.round(mesh.vertices[mesh.simplices], 9).tolist())
+        assert len(mine) > 30
+        np.testing.assert_allclose(mine, theirs, atol=1e-8)
+    assert told["disconnect"] != told["connect"] != told["mixed"] != told["disconnect"]
 
 
 def test_a_square_is_decided_as_isoref_decides_it(page: str, tmp_path: Path) -> None:
@@ -424,29 +429,47 @@ def test_the_fine_surface_has_the_topology_that_is_decided(
     assert right >= 0.98 * len(answers), right
 
 
-@pytest.mark.parametrize("kind", ["cell", "pair", "field", "plane", "four"])
-def test_a_failing_case_opens_in_the_explorer(page: str, kind: str, tmp_path: Path) -> None:
+SHAPES = {
+    "cell": (2, 2, 2),
+    "pair": (3, 2, 2),
+    "field": (4, 3, 2),
+    "plane": (3, 4),
+    "four": (2,) * 4,
+}
+
+
+def test_a_failing_case_opens_in_the_explorer(page: str, tmp_path: Path) -> None:
     """Issue 17: a link in a report carries the samples and the isovalue, to the last digit."""
-    shapes = {
-        "cell": (2, 2, 2), "pair": (3, 2, 2), "field": (4, 3, 2), "plane": (3, 4), "four": (2,) * 4
-    }  # fmt: skip
-    shape = shapes[kind]
-    values = np.random.default_rng(2).uniform(-1, 1, shape)
-    record = {
-        "case": "mine", "shape": list(shape), "spacing": [1.0] * len(shape),
-        "origin": [0.0] * len(shape), "dtype": "float64", "isovalues": [0.1],
-        "values": values.ravel().tolist(), "finding": {"detail": "", "numbers": {}},
-        "came": {"status": "crash"},
-    }  # fmt: skip
-    case = turned_case(record, [], "inside")
-    assert case is not None
-    assert case["explorer"].startswith("explorer.html#")
-    link = "#" + case["explorer"].partition("#")[2] + "&v=" + ",".join(map(repr, case["values"]))
-    state = found(page, "return explorer.app.state;", tmp_path, fragment=link)
-    assert state["tab"] == kind
-    assert state[kind]["shape"] == list(shape)
-    assert state[kind]["values"] == record["values"]
-    assert state[kind]["isovalue"] == 0.1
+    links, sent = [], {}
+    for kind, shape in SHAPES.items():
+        values = np.random.default_rng(2).uniform(-1, 1, shape)
+        record = {
+            "case": "mine", "shape": list(shape), "spacing": [1.0] * len(shape),
+            "origin": [0.0] * len(shape), "dtype": "float64", "isovalues": [0.1],
+            "values": values.ravel().tolist(), "finding": {"detail": "", "numbers": {}},
+            "came": {"status": "crash"},
+        }  # fmt: skip
+        case = turned_case(record, [], "inside")
+        assert case is not None
+        assert case["explorer"].startswith("explorer.html#")
+        link = "#" + case["explorer"].partition("#")[2]
+        links.append(f"{link}&v=" + ",".join(map(repr, case["values"])))
+        sent[kind] = record["values"]
+    # The first as the page opens, the others as it reads them.
+    script = f"""
+      const {{ app, read, tables, made }} = explorer, found = [structuredClone(app.state)];
+      for (const link of {json.dumps(links[1:])}) {{
+        app.go(read(link, app.state, [...tables.rules.keys()], made));
+        found.push(structuredClone(app.state));
+      }}
+      return found;
+    """
+    states = found(page, script, tmp_path, fragment=links[0])
+    for (kind, shape), state in zip(SHAPES.items(), states, strict=True):
+        assert state["tab"] == kind
+        assert state[kind]["shape"] == list(shape)
+        assert state[kind]["values"] == sent[kind]
+        assert state[kind]["isovalue"] == 0.1
 
 
 def test_the_page_is_what_its_sources_make(tables: ModuleType, tmp_path: Path) -> None:

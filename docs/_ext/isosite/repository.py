@@ -132,7 +132,6 @@ def target_of(path: str, target: str, page: str) -> tuple[str, str] | None:
 def file_at(name: str, path: str, page: str) -> tuple[str, str] | None:
     """The kind of link, and its address, to the file that the text in `path` names."""
     here = posixpath.dirname(page) or "."
-    tests = {test.file: test.page for test in shown_tests()}
     for folder in (
         posixpath.dirname(path),
         "",
@@ -142,20 +141,29 @@ def file_at(name: str, path: str, page: str) -> tuple[str, str] | None:
         "reports/papers",
     ):
         there = posixpath.normpath(posixpath.join(folder, name))
-        if there in tests:
-            return "page", posixpath.relpath(tests[there], here) + ".rst"
+        if there in pages_of_tests():
+            return "page", posixpath.relpath(pages_of_tests()[there], here) + ".rst"
         found = target_of(path, posixpath.relpath(there, posixpath.dirname(path) or "."), page)
         if (ROOT / there).is_file() and found:
             return found
     return None
 
 
+@cache
+def pages_of_tests() -> dict[str, str]:
+    """Files of tests to their pages."""
+    return {test.file: test.page for test in shown_tests()}
+
+
+@cache
+def articles() -> dict[Path, str]:
+    """Files of modules to their articles."""
+    return {m.path: m.page for name, m in everywhere().items() if name not in PACKAGES}
+
+
 def module_at(path: str) -> str | None:
     """The article of a module's file."""
-    for name, module in everywhere().items():
-        if module.path == ROOT / path and name not in PACKAGES:
-            return module.page
-    return None
+    return articles().get(ROOT / path)
 
 
 def converted(path: str, page: str) -> str:
