@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 
 from isosite import (
     articles,
@@ -76,6 +77,13 @@ def broken(part: re.Match[str]) -> str:
     )
 
 
+def resolve(app: Sphinx, env: BuildEnvironment) -> None:
+    """Look up every reference of every page, where only some of them are to be written."""
+    if app.config.isosite_resolve:
+        for page in sorted(env.found_docs):
+            env.get_and_resolve_doctree(page, app.builder, tags=app.tags)
+
+
 def finish(app: Sphinx, failure: Exception | None) -> None:
     """Lay the grader's own pages, the notebooks and the package beside the site's."""
     if failure is None and app.builder.format == "html":
@@ -94,4 +102,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("doctree-read", tables.mark)
     app.connect("html-page-context", beside)
     app.connect("build-finished", finish)
+    app.add_config_value("isosite_resolve", default=False, rebuild="")
+    app.connect("env-check-consistency", resolve)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
