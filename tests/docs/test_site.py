@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import json
 import re
 import subprocess
@@ -9,6 +10,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import isograde
+import isosite
 import nbformat
 import pytest
 from isosite import links, repository
@@ -119,3 +122,29 @@ def test_links_elsewhere_are_told_apart(tmp_path: Path) -> None:
     assert "0 of 1" in told
     assert "a.md:3: https://example.org/x (no route)" in told
     assert "no network" in told
+
+
+def test_what_the_start_page_says_is_what_comes() -> None:
+    """Its examples run; the package that it offers has the version of now, on every page."""
+    text = (DOCS / "start" / "index.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```pycon\n(.*?)```", text, re.DOTALL)
+    assert examples
+    for example in examples:
+        test = doctest.DocTestParser().get_doctest(example, {}, "start", None, None)
+        assert doctest.DocTestRunner(verbose=False).run(test).failed == 0
+    pages = [path for path in DOCS.rglob("*.md") if "_build" not in path.parts]
+    offered = [
+        version
+        for path in pages
+        for version in re.findall(r"isograde-([\d.]+)-py3", path.read_text(encoding="utf-8"))
+    ]
+    assert len(offered) > 3
+    assert {*offered} == {isograde.__version__}
+
+
+def test_long_names_may_break_behind_their_parts() -> None:
+    """In what is read, and not in addresses."""
+    title = '<h1><a href="#a.b_c">isoref.dual_faces</a>, BinaryMask3DSource</h1>'
+    assert re.sub(r"<h1>.*", isosite.broken, title) == (
+        '<h1><a href="#a.b_c">isoref.<wbr>dual_<wbr>faces</a>, Binary<wbr>Mask3<wbr>DSource</h1>'
+    )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from docutils import nodes
+from docutils.core import publish_doctree
 from isosite import prose, works
 from isosite.repository import with_address
 from isosite.writing import Pages
@@ -111,3 +112,12 @@ def test_a_guided_reading_has_the_address_of_each_of_its_papers() -> None:
         "10.1016/j.cag.2013.04.004",
     ]
     assert with_address("# A\n\nMin (2003).\n\nMore.") == "# A\n\nMin (2003).\n\nMore."
+
+
+def test_the_page_of_works_numbers_nothing() -> None:
+    """Initials at the beginning of a line would be the numbers of a list."""
+    rows = [row for row in works.page().splitlines() if row.startswith("* ")]
+    assert len(rows) == len(prose.bibliography())
+    tree = publish_doctree(rows[0])
+    assert tree.astext().startswith("T. F. Banchoff")
+    assert not list(tree.findall(nodes.enumerated_list))

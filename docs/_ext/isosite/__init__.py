@@ -47,6 +47,9 @@ from isosite import (
 )
 from isosite.writing import Pages
 
+# Where a long name may be broken.
+BREAK = re.compile(r"(?<=\w[._:/])(?=\w)|(?<=[a-z0-9])(?=[A-Z])")
+
 
 def make_pages(app: Sphinx) -> None:
     """Write what is made, before Sphinx looks for its sources."""
@@ -69,17 +72,16 @@ def beside(app: Sphinx, page: str, template: str, context: dict[str, Any], doctr
 
 
 def broken(part: re.Match[str]) -> str:
-    """The part with places to break a long name: behind its dots, underscores and the like."""
+    """The part with places to break a long name: behind dots and the like, before capitals."""
     pieces = re.split(r"(<[^>]+>)", part[0])
-    return "".join(
-        piece if n % 2 else re.sub(r"(?<=\w)([._:/])(?=\w)", r"\1<wbr>", piece)
-        for n, piece in enumerate(pieces)
-    )
+    return "".join(piece if n % 2 else BREAK.sub("<wbr>", piece) for n, piece in enumerate(pieces))
 
 
 def resolve(app: Sphinx, env: BuildEnvironment) -> None:
     """Look up every reference of every page, where only some of them are to be written."""
     if app.config.isosite_resolve:
+        # An index of some pages would be none.
+        app.builder.search = False
         for page in sorted(env.found_docs):
             env.get_and_resolve_doctree(page, app.builder, tags=app.tags)
 

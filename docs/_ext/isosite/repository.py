@@ -218,6 +218,8 @@ def converted(path: str, page: str) -> str:
     for pattern, made in ((LINK, link), (NAME, name), (FILE, file), (OF_MODULES, rows)):
         fenced = [p if n % 2 else pattern.sub(made, p) for n, p in enumerate(fenced)]
     text = "".join(fenced)
+    if path == "README.md":
+        text = text.replace("# isograde\n", "# The README\n", 1)
     if path.startswith("papers/"):
         text = with_pictures(with_address(text), page)
     return text

@@ -127,7 +127,8 @@ def page() -> str:
         modules, claims = citing(paper)
         links = [f":ref:`{name} <{label_of(name)}>`" for name in modules]
         links += [f":ref:`{one} <claim.{one}>`" for one in claims]
-        row = f"{escaped(paper['authors'])}, *{escaped(paper['title'])}*, {paper['year']}. "
+        # Initials at the beginning number nothing.
+        row = f"\\{escaped(paper['authors'])}, *{escaped(paper['title'])}*, {paper['year']}. "
         row += link_of(paper) + ("" if not links else ". In " + ", ".join(links))
         text += f"* {row}\n"
     return text + "\n"
