@@ -206,3 +206,11 @@ def test_here_is_the_site() -> None:
         Path(as_tex.__code__.co_filename).parent
         == Path(__file__).parents[2] / "docs" / "_ext" / "isosite"
     )
+
+
+def test_a_word_in_a_formula_is_one_name() -> None:
+    """Lesson 1 says *low* and *high*."""
+    made = mathml(r"\mathit{low} < \mathit{high}", display=True)
+    assert '<mi class="word">low</mi>' in made
+    assert '<mi class="word">high</mi>' in made
+    assert "italic" not in made

@@ -152,7 +152,12 @@ def links(app: Sphinx, tree: nodes.document) -> None:
 
 def link_years(paragraph: nodes.paragraph) -> None:
     """Put a link where the paragraph has a work's year in its text."""
-    places = {place: paper for paper, place in mentions(paragraph.astext())}
+    linked = {link.get("refuri") for link in paragraph.findall(nodes.reference)}
+    places = {
+        place: paper
+        for paper, place in mentions(paragraph.astext())
+        if address_of(paper)[1] not in linked
+    }
     for text, start in list(texts(paragraph)):
         inside = {p: paper for p, paper in places.items() if start <= p[0] < start + len(text)}
         if not inside or not free(text):
