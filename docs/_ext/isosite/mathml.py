@@ -34,7 +34,7 @@ def mathml(tex: str, *, display: bool) -> str:
 
 
 def _word(match: re.Match[str]) -> str:
-    """A word as one name: letter by letter it is read as a product, and an h comes from elsewhere."""
+    """A word as one name: letter by letter it would be read as a product."""
     return f'<mi class="word">{re.sub("<[^>]+>", "", match[0])}</mi>'
 
 
