@@ -95,6 +95,65 @@ def floor(
     return run
 
 
+def dual_floor(
+    values: Array, isovalue: float, mesh: Mesh, rows: Integers
+) -> Callable[[], tuple[Array, Array]]:
+    """The same towards a dual surface of quadrilaterals, whose vertices are means of crossings.
+
+    Each sample is compared, each crossing found from two samples; it is added to the sums of the
+    four vertices round it, and joins them: their numbers are looked up and written, as triangles.
+    Each vertex has its sums divided, its cell's coordinates added, three numbers written. Which
+    vertices those are is given for nothing.
+
+    mesh : a mesh of cubes with its provenance, for the crossings
+    rows : (Q, 4) the quadrilaterals
+    """
+    assert mesh.provenance is not None
+    flat, ends = values.reshape(-1), mesh.provenance.ends
+    ends = ends[ends[:, 1] >= 0][: len(rows)]
+    low, high = (np.ascontiguousarray(ends[:, end]) for end in (0, 1))
+    slots = [np.ascontiguousarray(slot[: len(low)]) for slot in rows.T]
+    count = int(rows.max()) + 1
+    number, shift, shares = np.arange(count), np.zeros(count), np.full(count, 4.0)
+    compared = np.empty(PORTION * 4, bool)
+
+    def run() -> tuple[Array, Array]:
+        # Compare the samples, and place the crossings.
+        for at in range(0, flat.size, compared.size):
+            samples = flat[at : at + compared.size]
+            np.greater_equal(samples, isovalue, out=compared[: len(samples)])
+        t = np.empty(len(low))
+        for at in range(0, len(low), PORTION):
+            some = slice(at, at + PORTION)
+            below = flat.take(low[some], mode="clip").astype(np.float64)
+            above = flat.take(high[some], mode="clip").astype(np.float64)
+            below -= isovalue
+            above -= isovalue
+            above -= below
+            np.divide(below, above, out=t[some])
+
+        # Add each crossing to four vertices, and join these.
+        third, total = -(-len(low) // 3), np.zeros((3, count))
+        for axis in range(3):
+            some = slice(axis * third, (axis + 1) * third)
+            for slot in slots:
+                np.add.at(total[axis], slot[some], t[some])
+        triangles = np.empty((len(low), 6), np.int64)
+        for column, slot in zip((0, 1, 2, 5), slots, strict=True):
+            triangles[:, column] = number.take(slot, mode="clip")
+        triangles[:, 3:5] = triangles[:, [0, 2]]
+
+        # Place the vertices.
+        vertices = np.empty((count, 3))
+        for axis in range(3):
+            total[axis] += shift
+            total[axis] /= shares
+            np.add(total[axis], shift, out=vertices[:, axis])
+        return vertices, triangles
+
+    return run
+
+
 def given_order(mesh: Mesh, shape: tuple[int, ...]) -> tuple[Integers, Integers]:
     """(V,) the axis of each vertex's edge, and (V,) vertices axis by axis within each portion."""
     assert mesh.provenance is not None

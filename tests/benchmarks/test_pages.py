@@ -10,11 +10,12 @@ import pytest
 from asked import ROWS, read
 from asked import page as gathered
 from bench_past_memory import Ball
-from floor import floor, given_order
+from floor import dual_floor, floor, given_order
 from isograde.report.plot import Series, curves
 from isograde.stopwatch import Machine
+from isoref.fast.dual import quads
 from isoref.field import Field
-from isoref.methods import METHODS, extract
+from isoref.methods import DUAL_RULES, METHODS, extract
 from pages import Goal, Page, profile
 
 
@@ -124,3 +125,14 @@ def test_the_least_passes_make_the_mesh_itself() -> None:
     np.testing.assert_array_equal(order[triangles].reshape(-1, 3), mesh.simplices)
     single = floor(values, 0.1, mesh, "single")()
     assert [array.itemsize for array in single] == [4, 4]
+
+
+def test_the_least_passes_make_the_triangles_of_a_dual_surface() -> None:
+    """And as many vertices as it has; where these are is not asked of a floor."""
+    field = Field.of(np.random.default_rng(3).normal(size=(9, 10, 11)).astype("f4"))
+    crossings = METHODS["lorensen-cline"](field, 0.1, provenance=True)
+    mesh = METHODS["dual-marching-cubes"](field, 0.1)
+    rows = quads(DUAL_RULES["dual-marching-cubes"], field, 0.1)[1]
+    vertices, triangles = dual_floor(field.values, 0.1, crossings, rows)()
+    assert vertices.shape == mesh.vertices.shape
+    np.testing.assert_array_equal(triangles.reshape(-1, 3), mesh.simplices)
