@@ -114,7 +114,8 @@ site: $(STAMP)
 	@echo "open docs/_build/index.html"
 
 linkcheck: $(STAMP)
-	$(BIN)/python -m sphinx -q -b linkcheck -D plot_gallery=0 docs docs/_build/linkcheck || true
+	rm -f docs/_build/linkcheck/output.json
+	$(BIN)/python -m sphinx -Q -b linkcheck -D plot_gallery=0 docs docs/_build/linkcheck || true
 	$(BIN)/python docs/_ext/isosite/links.py --elsewhere docs/_build/linkcheck
 
 # Behind `make site`: its notebooks and this project's wheel, for a browser that fetches NumPy itself.

@@ -125,6 +125,14 @@ def test_links_elsewhere_are_told_apart(tmp_path: Path) -> None:
     assert "no network" in told
 
 
+def test_a_check_that_did_not_run_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing found is not nothing wrong."""
+    assert links.main(["--elsewhere", str(tmp_path)]) == 1
+    assert "no link was looked at" in capsys.readouterr().err
+
+
 def test_what_the_start_page_says_is_what_comes() -> None:
     """Its examples run; the package that it offers has the version of now, on every page."""
     text = (DOCS / "start" / "index.md").read_text(encoding="utf-8")

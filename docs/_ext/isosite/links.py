@@ -102,6 +102,9 @@ def elsewhere(folder: Path) -> str:
 def main(arguments: list[str]) -> int:
     """Say what leads nowhere; the exit status."""
     if len(arguments) == 2 and arguments[0] == "--elsewhere":
+        if not Path(arguments[1], "output.json").is_file():
+            print("no link was looked at: Sphinx ended before; run make site", file=sys.stderr)
+            return 1
         print(elsewhere(Path(arguments[1])))
         return 0
     if len(arguments) != 1 or not Path(arguments[0]).is_dir():
