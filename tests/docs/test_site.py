@@ -5,8 +5,10 @@ from __future__ import annotations
 import doctest
 import json
 import re
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from isosite import links, repository
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
+BINDER = ROOT / "binder"
 
 
 def all_pages() -> set[str]:
@@ -157,3 +160,24 @@ def test_long_names_may_break_behind_their_parts() -> None:
     assert re.sub(r"<h1>.*", isosite.broken, title) == (
         '<h1><a href="#a.b_c">isoref.<wbr>dual_<wbr>faces</a>, Binary<wbr>Mask3<wbr>DSource</h1>'
     )
+
+
+def test_the_machine_of_binder_can_be_made(tmp_path: Path) -> None:
+    """What can be known without a network: its files, its Python, its extras and its program."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    first, package, *others = (BINDER / "requirements.txt").read_text(encoding="utf-8").split("\n")
+    # pip looks for it from where the requirements stand.
+    assert (BINDER / first.removeprefix("-c ")).resolve() == ROOT / "constraints.txt"
+    extras = re.fullmatch(r"\.\[([\w,]+)\]", package)
+    assert extras
+    assert {*extras[1].split(",")} < project["optional-dependencies"].keys()
+    assert {"jupyterlab", "sphinx-gallery"} < {*others}
+    runtime = (BINDER / "runtime.txt").read_text(encoding="utf-8").strip()
+    assert project["requires-python"] == ">=" + runtime.removeprefix("python-")
+    program = next((DOCS / "examples").glob("plot_*.py"))
+    shutil.copy(program, tmp_path)
+    call = "from sphinx_gallery.notebook import python_to_jupyter_cli as made; made()"
+    command = [sys.executable, "-c", call, program.name]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    nbformat.validate(nbformat.read(tmp_path / f"{program.stem}.ipynb", as_version=4))
+    assert "sphinx_gallery_py2jupyter docs/examples" in (BINDER / "postBuild").read_text("utf-8")
