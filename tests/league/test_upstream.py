@@ -17,6 +17,7 @@ MODULES = {
     "jaxmesh": "jaxmesh",
     "manifold3d": "manifold3d",
     "pymcubes": "mcubes",
+    "pytessel": "pytessel",
     "pysplashsurf": "pysplashsurf",
     "scikit-image": "skimage",
     "vtk": "vtkmodules",

@@ -239,7 +239,7 @@ wrong += [f"{len(posed_simplices)} simplices, {meaning}"] if len(posed_simplices
 """
 SHOW_AGAIN = """
 # The same arrays each time, number for number.
-for _ in range(4):
+for _ in range(40):
     posed_vertices, posed_simplices = arrays(extract({values}), {n}, {k})
     if not (np.array_equal(vertices, posed_vertices)
             and np.array_equal(simplices, posed_simplices)):
