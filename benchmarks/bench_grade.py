@@ -9,16 +9,14 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
-import timeit
 from pathlib import Path
 
-import numpy as np
 from isograde import grading, report
 from isograde.declaration import Declaration
 from isograde.model import Adapter, Limits, Outcome, Request
 from isograde.report.plot import Bar, bars
 from isograde.runner import Options, Worker, plan
-from pages import Page, of_numpy, own_times, profiled
+from pages import Page, of_numpy, one_call, own_times, profiled
 
 NAME = "skimage:lewiner"
 JUDGING = "judging (oracles, variants)"
@@ -112,12 +110,6 @@ def by_function(name: str, only: tuple[str, ...]) -> tuple[list[list[str]], str]
         "time needs fewer calls, so cases that are judged together."
     )
     return own_times(entries, "isograde", FUNCTIONS), told
-
-
-def one_call() -> float:
-    """Seconds of one call of NumPy on eight numbers, the least of several."""
-    numbers = np.arange(8.0)
-    return min(timeit.repeat(lambda: np.add.reduce(numbers), number=10_000, repeat=7)) / 10_000
 
 
 def ask(page: Page, name: str, share: float, total: float) -> None:

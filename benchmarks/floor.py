@@ -1,4 +1,4 @@
-"""The least that a vectorised extraction does, timed: what no way of writing it in NumPy is below.
+"""The least that a vectorised extraction does, timed: we know of no way in NumPy below it.
 
 All that could be known beforehand is given for nothing: which edges are crossed and where these
 lie, which tile each cell has, and where in a table of edges each corner of each triangle is looked
@@ -12,7 +12,7 @@ up. What is left are the passes without which there is no mesh of these arrays:
 
 They go over arrays in portions that stay in the processor's cache. A compiled loop needs none of
 them: it has the samples of a cell, its crossings and its corners in registers. So a peer's time
-over this floor is the most that a ratio to *any* such program in NumPy can be.
+over this floor is the most that we think a ratio to such a program in NumPy can be.
 """
 
 from __future__ import annotations
@@ -167,16 +167,13 @@ def leaves(peer: float, goal: float, least: float, own: float) -> str:
     """What the floor says of a goal that is not met; all times in the same unit.
 
     >>> leaves(peer=2.0, goal=2.0, least=1.2, own=2.0)
-    'cannot be met in NumPy: 1.20 of the 1.00 that it allows goes to the floor alone'
+    'out of reach: the floor alone is 1.20 of what it allows'
     >>> leaves(peer=2.0, goal=2.0, least=0.5, own=1.5)
     'the floor is 0.50 of what it allows; ours takes 3.0 times the floor, it allows 2.0'
     """
     allowed = peer / goal
     if least >= allowed:
-        return (
-            f"cannot be met in NumPy: {least / allowed:.2f} of the 1.00 that it allows goes to the "
-            "floor alone"
-        )
+        return f"out of reach: the floor alone is {least / allowed:.2f} of what it allows"
     return (
         f"the floor is {least / allowed:.2f} of what it allows; ours takes {own / least:.1f} times "
         f"the floor, it allows {allowed / least:.1f}"
