@@ -39,6 +39,7 @@ ROWS: Mapping[str, str] = {
     "memory": "extra peak memory of an extraction less its output, MiB",
     "grade": "the default grade of scikit-image, seconds; judging's share of it",
     "adapter": "an adapter's call: ms more than a direct one; from 64^3 on, ratio to it",
+    "bricks": "many isovalues: plain extraction over that by the index of bricks, once it is built",
     "past-memory": "2048^3 bytes by slabs: peak of the process, GB",
 }
 

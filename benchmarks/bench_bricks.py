@@ -42,8 +42,19 @@ def isovalues(values: Array) -> list[float]:
     return sorted({level + half for level in found if level + half < sample[-1]})
 
 
-def measure(page: Page, name: str, values: Array, rounds: int, colour: int) -> Series:
-    """The table of one field is on the page; its ratios against vertices a sample."""
+WHY = """\
+What an index can save is the pass over the samples, and of it only what lies in bricks that the
+isovalue does not divide. Where it saves less than it costs to go from brick to brick, the table
+says how much that pass is of a plain extraction, and how many bricks are divided:"""
+
+
+def measure(
+    page: Page, name: str, values: Array, rounds: int, colour: int, why: list[list[str]]
+) -> Series:
+    """The table of one field is on the page; its ratios against vertices a sample.
+
+    why : grows by a row for each isovalue at which the index does not pay
+    """
     index = Index.of(values)
     (built,) = interleave({"build": lambda: Index.of(values)}, rounds)
     rows, places = [], []
@@ -59,6 +70,10 @@ def measure(page: Page, name: str, values: Array, rounds: int, colour: int) -> S
         ratio = plain.over(indexed)
         vertices = len(index.extract(level).vertices)
         divided = index.divided(level).mean()
+        page.ask("bricks", f"{name} at {level:.4g}", ratio, 1.0, most=False)
+        if not page.goals[-1].met:
+            share = threshold.over(plain)[0]
+            why.append([f"{name} at {level:.4g}", f"{share:.0%}", f"{divided:.0%}"])
         places.append((max(vertices / values.size, 1e-9), ratio[0]))
         saved = np.median(plain.processor) - np.median(indexed.processor)
         pays = np.median(built.processor) / saved if saved > 0 else np.inf
@@ -97,9 +112,14 @@ def main() -> None:
         "much where there are few vertices for many samples.",
     )
     series: list[Series] = []
+    why: list[list[str]] = []
     for name in arguments.fields:
-        series.append(measure(page, name, FIELDS[name](), arguments.rounds, len(series)))
+        series.append(measure(page, name, FIELDS[name](), arguments.rounds, len(series), why))
     page.plot("ratios", curves("Plain over indexed", "vertices a sample", "ratio", series))
+    page.show_goals()
+    if why:
+        page.why(WHY)
+        page.table(["", "one threshold pass, of a plain extraction", "bricks divided"], why)
     page.write(arguments.out)
 
 
