@@ -358,9 +358,9 @@ def times(field: Field) -> str:
     lines.append("")
     lines.append("Best of three interleaved runs in this process, disconnect and L, at a load of")
     lines.append(
-        f"{load:.1f} on {os.cpu_count()} processors. The paper's codes do not share points"
+        f"{load:.1f} on {os.cpu_count()} processors. The paper's marching codes share no points"
     )
-    lines.append("between cells; ours and VTK's do.")
+    lines.append("between cells (section III.A, and its counts); ours and VTK's do.")
     return "\n".join(lines)
 
 
