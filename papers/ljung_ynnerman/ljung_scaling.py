@@ -314,9 +314,7 @@ def figure_6(rows: Sequence[Counted], path: Path) -> None:
                 x, y = ([getattr(row, name) for row in own] for name in (against, of))
                 panel.plot(x, y, "o-", color=colour, alpha=0.5, ms=3, lw=0.8, label=label)
     axes[0].set(xlabel="side of the volume (voxels)", ylabel="intersection tests")
-    axes[0].set(
-        xlim=(0, None), ylim=(0, None), title="linear in the side (slopes with bend and border)"
-    )
+    axes[0].set(xlim=(0, None), ylim=(0, None), title="over the side (slopes with bend and border)")
     reach = np.array([min(row.n1 for row in rows), max(row.n1 for row in rows)])
     start = np.mean([row.trisect for row in rows if row.s == rows[0].s])
     axes[1].plot(reach, start * np.sqrt(reach / reach[0]), "k--", lw=1, label=r"$\sqrt{N}$")
@@ -326,7 +324,7 @@ def figure_6(rows: Sequence[Counted], path: Path) -> None:
         xscale="log",
         yscale="log",
     )
-    axes[1].set(title="a square root in the triangles")
+    axes[1].set(title="over the triangles; dashed: a square root")
     axes[1].xaxis.set_minor_formatter(NullFormatter())
     for panel in axes:
         panel.legend(frameon=False)

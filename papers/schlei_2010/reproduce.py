@@ -423,12 +423,7 @@ def explained() -> str:
         long = {N: n for N, n in found.items() if N > 7}
         if sum(long.values()):
             lines.append(long_cycles(f"Table {number}, {mode}", rows, found, long))
-    uncut = {N: _without_fan(N) for N in (8, 9, 12)}
-    listed = ", ".join(f"{n} of the {of} types of {N}-cycle" for N, (n, of) in uncut.items())
-    lines.append(
-        "There is a reason for a point in L: without a chord between two cells, no fan from one "
-        f"corner cuts {listed} (`isoref.vesta.fan_start`)."
-    )
+    lines.append(words.without_fan({N: _without_fan(N) for N in (8, 9, 12)}))
     return "\n\n".join(lines) + "\n"
 
 

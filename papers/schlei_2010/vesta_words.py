@@ -75,6 +75,18 @@ def stacked(problems: Mapping[str, int]) -> str:
     return f"{told}{rest}."
 
 
+def without_fan(uncut: Mapping[int, tuple[int, int]]) -> str:
+    """Which types of long cycle no fan cuts: of each length, how many of how many."""
+    shown = ", ".join(f"{n} of the {of} types of {N}-cycle" for N, (n, of) in uncut.items())
+    reason = "There is a reason for a point in L" if any(n for n, _ in uncut.values()) else (
+        "There is no need of a point in L"
+    )  # fmt: skip
+    return (
+        f"{reason}: without a chord between two cells, no fan from one corner cuts {shown} "
+        "(`isoref.vesta.fan_start`)."
+    )
+
+
 def listed(items: Sequence[str]) -> str:
     """The items as a sentence lists them; ``none`` where there is none."""
     return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items) or "none"

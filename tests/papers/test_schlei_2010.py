@@ -342,3 +342,13 @@ def test_what_stacked_contours_leave_open_is_named(module: Callable[[str], Any])
     )
     assert stacked({"a": 0}).startswith("Stacking contours leaves nothing open here; in a, and")
     assert stacked({"a": 2, "b": 1}).endswith("which, in a (2) and b (1).")
+
+
+def test_a_point_in_l_is_needed_where_no_fan_cuts(module: Callable[[str], Any]) -> None:
+    """Section II.D: types of cycle that no fan from one corner cuts."""
+    told = module("vesta_words").without_fan
+    assert told({8: (0, 3), 9: (1, 1)}).startswith("There is a reason for a point in L: without")
+    assert "cuts 0 of the 3 types of 8-cycle, 1 of the 1 types of 9-cycle (" in told(
+        {8: (0, 3), 9: (1, 1)}
+    )
+    assert told({8: (0, 3)}).startswith("There is no need of a point in L: without")
