@@ -100,9 +100,9 @@ def _surface(method, promised=(), **said):
     return {"function": "surface", "options": {"method": method}, "declaration": said}
 
 
-def _simplicial(rule):
-    """The row of a rule of the simplicial method, for which (n, m) is anything up to n = 6."""
-    kinds = [[n, m] for n in range(1, 7) for m in range(1, n + 1)]
+def _simplicial(rule, most):
+    """The row of a rule of the simplicial method, for which (n, m) is anything up to n = `most`."""
+    kinds = [[n, m] for n in range(1, most + 1) for m in range(1, n + 1)]
     limits = {"kinds": kinds, "least": 2}
     said = {"interpolant": "kuhn", "limits": limits}
     return {"function": "simplicial", "options": {"rule": rule}, "declaration": said}
@@ -130,8 +130,9 @@ METHODS = {
     "isoref:label-cubes": _surface(
         "label-cubes", interpolant="labels", promised=["cells.separate"]
     ),
-    "isoref:simplicial": _simplicial("staircase"),
-    "isoref:simplicial-printed": _simplicial("printed"),
+    "isoref:simplicial": _simplicial("staircase", 6),
+    # The paper prints its tables for simplices of six corners at most.
+    "isoref:simplicial-printed": _simplicial("printed", 5),
     **{
         f"isoref:diconex-{mode}": {
             "function": "diconex",
