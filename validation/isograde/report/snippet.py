@@ -146,14 +146,16 @@ def arrays(answer, n, k):
 '''
 CALL = "answer = extract({values}, {isovalue}[0], {spacing})"
 CALL_SEVERAL = """# m fields at once, or one argument for each.
-several = len(signature(extract).parameters) > 3
+needed = [one for one in signature(extract).parameters.values() if one.default is one.empty]
+several = len(needed) > 3
 given = (*{values}, *{isovalue}) if several else ({values}, {isovalue})
 answer = extract(*given, {spacing})"""
 # The same, for lines that ask about several fields one after another.
 GIVEN = """
 
 def given(values):  # m fields at once, or one argument for each.
-    several = len(signature(extract).parameters) > 3
+    needed = [one for one in signature(extract).parameters.values() if one.default is one.empty]
+    several = len(needed) > 3
     return (*values, *isovalue, spacing) if several else (values, isovalue, spacing)
 """
 # Two answers that should be one have as many simplices, and the same vertices.
