@@ -185,6 +185,18 @@ for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
     found.append({{tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()}})
 wrong += [f"from {{a}} to {{b}} in one answer only" for a, b in sorted(found[0] ^ found[1])]
 """
+SHOW_EULER = """
+# Faces of every dimension, an even one more, an odd one less.
+found = []
+for faces in (simplices, posed_simplices):
+    found.append(0)
+    for dimension in range(faces.shape[1] - 1, -1, -1):
+        faces = np.unique(np.sort(faces, axis=1), axis=0)
+        found[-1] += (-1) ** dimension * len(faces)
+        faces = np.concatenate([np.delete(faces, end, axis=1) for end in range(dimension + 1)])
+if found[0] != found[1]:
+    wrong.append(f"Euler characteristic {found[0]}; {meaning}, {found[1]}")
+"""
 SHOW_TOGETHER = """
 # Which crossings hang together inside a cell, by triangles of the cell that share a vertex.
 found = []
@@ -796,6 +808,8 @@ def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
         return moved + SHOW_SEGMENTS.format(least=0)
     if name in ("above", "below", "infinite"):
         return SHOW_NOTHING
+    if "Euler characteristic" in told:
+        return SHOW_EULER
     if name == "components":
         return SHOW_MEETINGS.format(m=m, k=n - m)
     if name == "spacing":
