@@ -1,12 +1,14 @@
 """Adapters to Python functions."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from isograde.adapters import open_adapter, ready_made_names
-from isograde.declaration import Declaration
+from isograde.adapters.conventions import refusal
+from isograde.declaration import Declaration, DeclarationError, declaration_from
 from isograde.model import SURFACES, AdapterError, Limits, Outcome, Request, Status
 from isoref.field import Field
 from isoref.methods import METHODS
@@ -233,3 +235,70 @@ def test_a_call_reports_its_cost() -> None:
     outcome = ask("skimage:lewiner", Field.of(np.random.default_rng(0).random((40, 40, 40))), 0.5)
     assert outcome.seconds > 0
     assert outcome.peak_bytes > 1 << 20
+
+
+PLACED = """
+import numpy as np
+
+def extract(values, isovalue, spacing, directions=None):
+    "One triangle along the axes, as they run in the world."
+    return np.diag(spacing) @ directions, [[0, 1, 2]]
+
+extract.declaration = {"limits": {"directions": True, "negative": True}}
+"""
+PROGRAM = """
+import json, sys
+
+import numpy as np
+
+for line in sys.stdin:
+    asked = json.loads(line)
+    if asked["command"] == "start":
+        limits = {"directions": True, "negative": True}
+        answer = {"protocol": 3, "declaration": {"limits": limits}}
+    elif asked["command"] == "run":
+        places = np.diag(asked["spacing"]) @ np.array(asked["directions"])
+        answer = {"id": asked["id"], "vertices": places.tolist(), "simplices": [[0, 1, 2]]}
+    else:
+        break
+    print(json.dumps(answer), flush=True)
+"""
+
+
+@pytest.mark.parametrize("kind", ["python", "exec"])
+def test_directions_and_negative_spacings_are_handed_on(kind: str, tmp_path: Path) -> None:
+    """To functions by a keyword, to programs by a key; what is declared alone is sent."""
+    path = tmp_path / "placed.py"
+    path.write_text(PLACED if kind == "python" else PROGRAM, encoding="utf-8")
+    spec = f"python:{path}:extract" if kind == "python" else f"exec:{sys.executable} {path}"
+    rows = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    field = Field(np.zeros((2, 2, 2)), (-1.0, 2.0, 3.0), (0.0,) * 3, rows)
+    outcome = ask(spec, field, 0.5)
+    assert outcome.vertices is not None, outcome.detail
+    assert outcome.vertices.tolist() == [[0, -1, 0], [-2, 0, 0], [0, 0, 3]]
+
+
+def test_who_does_not_say_so_is_not_asked_for_directions() -> None:
+    """`refusal`, by which no such field is sent; each of the two words lets its own pass."""
+    rows = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    turned = Field(np.zeros((2, 2, 2)), (1.0,) * 3, (0.0,) * 3, rows)
+    backwards = Field(np.zeros((2, 2, 2)), (1.0, -1.0, 1.0), (0.0,) * 3)
+    for field, word in ((turned, "directions"), (backwards, "negative")):
+        request = Request("test", "plain", field, (0.5,))
+        assert word in refusal(request, Declaration("mine"))
+        assert not refusal(request, declaration_from({"limits": {word: True}}, "mine"))
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"conventions": {"units": "index"}},
+        {"conventions": {"axes": "reversed"}},
+        {"given": "function", "vertices": {"own": 1}},
+    ],
+)
+@pytest.mark.parametrize("word", ["directions", "negative"])
+def test_directions_are_for_who_answers_in_the_world(said: dict[str, Any], word: str) -> None:
+    """What else they would mean nobody could say."""
+    with pytest.raises(DeclarationError, match="directions and negative spacings are for who"):
+        declaration_from({**said, "limits": {word: True}}, "mine")
