@@ -60,6 +60,7 @@ class Outside:
             self.made = self._answer().removeprefix("ready").strip()
         except AbsentError:
             self._process.kill()
+            self._process.wait()
             raise
 
     def __enter__(self) -> Outside:
@@ -74,8 +75,13 @@ class Outside:
         self.close()
 
     def close(self) -> None:
-        """The process ends."""
+        """The process ends, and is waited for."""
         self._process.communicate("end\n")
+
+    @property
+    def ended(self) -> int | None:
+        """The status with which the process ended, or None while it lives."""
+        return self._process.poll()
 
     def call(self) -> tuple[float, float, int]:
         """Seconds of the clock, seconds of the processor, and triangles, of one call."""
@@ -99,7 +105,8 @@ class Outside:
         for line in self._process.stdout:
             if line.startswith("> "):
                 return line[2:].strip()
-        raise AbsentError(f"its process ended with status {self._process.wait()}")
+        self._process.communicate()
+        raise AbsentError(f"its process ended with status {self._process.returncode}")
 
 
 def library(name: str, values: NDArray[Any], isovalue: float) -> Outside:
