@@ -16,7 +16,7 @@ from isograde.cases.volumes import find
 from isograde.report.plot import Series, curves
 from isograde.stopwatch import interleave
 from isoref.fast.bricks import Index
-from isoref.field import Array
+from isoref.field import Array, least_inside
 from isoref.methods import extract
 from pages import Page
 
@@ -63,7 +63,8 @@ def measure(
             {
                 "plain": partial(extract, values, level),
                 "index": partial(index.extract, level),
-                "threshold": partial(np.greater_equal, values, level),
+                # Of the samples' type: nothing is converted.
+                "threshold": partial(np.greater_equal, values, least_inside(values.dtype, level)),
             },
             rounds,
         )

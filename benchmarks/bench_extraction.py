@@ -30,7 +30,7 @@ from isograde.report.plot import Bar, bars
 from isograde.stopwatch import Cost, Timing, in_turn, interleave, peak_memory, timed
 from isoref.fast._bits import Bits
 from isoref.fast.sweep import PART_CELLS, SLAB_POINTS, _Sweep, sweep
-from isoref.field import Array, Field
+from isoref.field import Array, Field, least_inside
 from isoref.methods import METHODS, RULES
 from outside import PEERS, AbsentError, Outside, library, version
 from pages import Page, of_numpy, one_call, profiled, table_of
@@ -502,7 +502,8 @@ def measured(name: str, values: Array, methods: list[str], rounds: int) -> Measu
         f"isoref {method}": lambda run=METHODS[method]: run(field, isovalue)  # type: ignore[misc]
         for method in methods
     }
-    runs[COMPARISON] = lambda: values >= isovalue
+    level = least_inside(values.dtype, isovalue)  # of the samples' type: nothing is converted
+    runs[COMPARISON] = lambda: values >= level
     runs[FLOOR] = floor(values, isovalue, mesh)
     runs[FLOOR_SINGLE] = floor(values, isovalue, mesh, "single")
     # Of VTK's marching cubes nothing is asked.

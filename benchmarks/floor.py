@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from isoref.field import Array, Integers
+from isoref.field import Array, Integers, least_inside
 from isoref.mesh import Mesh, Precision, number_types
 
 # So many crossings at once; so many entries in a table of edges, which is used again and again.
@@ -57,13 +57,13 @@ def floor(
     of_cell = corners - of_tile
     real, whole = number_types(precision)
     numbers = np.zeros(min(3 * values.size, TABLE), np.int32)
-    compared = np.empty(PORTION * 4, bool)
+    compared, level = np.empty(PORTION * 4, bool), least_inside(values.dtype, isovalue)
 
     def run() -> tuple[Array, Array]:
         # Compare the samples.
         for at in range(0, flat.size, compared.size):
             samples = flat[at : at + compared.size]
-            np.greater_equal(samples, isovalue, out=compared[: len(samples)])
+            np.greater_equal(samples, level, out=compared[: len(samples)])
 
         # Number and place the crossings.
         vertices = np.empty((len(low), 3), real)
@@ -115,13 +115,13 @@ def dual_floor(
     slots = [np.ascontiguousarray(slot[: len(low)]) for slot in rows.T]
     count = int(rows.max()) + 1
     number, shift, shares = np.arange(count), np.zeros(count), np.full(count, 4.0)
-    compared = np.empty(PORTION * 4, bool)
+    compared, level = np.empty(PORTION * 4, bool), least_inside(values.dtype, isovalue)
 
     def run() -> tuple[Array, Array]:
         # Compare the samples, and place the crossings.
         for at in range(0, flat.size, compared.size):
             samples = flat[at : at + compared.size]
-            np.greater_equal(samples, isovalue, out=compared[: len(samples)])
+            np.greater_equal(samples, level, out=compared[: len(samples)])
         t = np.empty(len(low))
         for at in range(0, len(low), PORTION):
             some = slice(at, at + PORTION)
