@@ -72,9 +72,12 @@ def slope(sizes: Sequence[int], numbers: Sequence[float]) -> tuple[float, float]
 
 
 def add_slope(
-    table: Table, what: str, sizes: Sequence[int], numbers: Sequence[float], p: float
+    table: Table, what: str, sizes: Sequence[int], numbers: Sequence[float], p: float | None
 ) -> None:
-    """A row with the exponent of a plain power beside p, within the interval of the fit."""
+    """A row with the exponent of a plain power beside p, within the interval of the fit.
+
+    Without p it is measured only: a time has a fixed cost too, so that it is no plain power.
+    """
     found, half = slope(sizes, numbers)
     note = f"N from {sizes[0]:,} to {sizes[-1]:,}; 95 % interval of the fit ± {half:.2g}"
     table.add(what, None, found, expected=p, tolerance=half, note=note)

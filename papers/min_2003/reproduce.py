@@ -292,7 +292,7 @@ def table_5(sizes: list[int], uniform: list[Any], paper: dict[int, Any]) -> Iter
     )
     table = Table("Table 5: fitted exponents, n = 3")
     growth.add_slope(table, "time, the paper's numbers", sizes, [paper[N][1] for N in sizes], 3)
-    growth.add_slope(table, "time, ours", sizes, seconds, 3)
+    growth.add_slope(table, "time, ours", sizes, seconds, None)
     cells = [(N - 1) ** 3 for N in sizes]
     growth.add_slope(table, "cells that are cut, (N - 1)^3, over N", sizes, cells, 3)
     growth.add_slope(table, "the same over N - 1", [N - 1 for N in sizes], cells, 3)
@@ -330,7 +330,7 @@ def table_6(sizes: list[int], dyadic: list[Any], paper: dict[int, Any]) -> Itera
     for what, column in (("time", 1), ("bytes of phi", 4), ("total space", 5)):
         numbers = [paper[N][column] for N in known]
         growth.add_slope(table, f"{what}, the paper's numbers", known, numbers, 1)
-    growth.add_slope(table, "time, ours", sizes, seconds, 1)
+    growth.add_slope(table, "time, ours", sizes, seconds, None)
     yield table
     counted = {
         "segments": [row[1] for row in dyadic],
@@ -523,7 +523,7 @@ def spindle_exponents(
         return
     growth.add_slope(fits, "bytes of phi, paper", sizes, [paper[N][1] for N in sizes], 2)
     growth.add_slope(fits, "bytes of surface, paper", sizes, [paper[N][3] for N in sizes], 2)
-    growth.add_slope(fits, "time, ours", sizes, seconds, 2)
+    growth.add_slope(fits, "time, ours", sizes, seconds, None)
     yield fits
     counted = {
         "the paper's bytes of phi": [paper[N][1] for N in sizes],

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from isograde.reproduction import Table
 
 from tests.papers.loading import importer
 
@@ -35,3 +36,13 @@ def test_two_sizes_decide_nothing(growth: Any) -> None:
     """Two numbers are fitted."""
     with pytest.raises(ValueError, match="three sizes"):
         growth.growth([8, 16], [1, 2], 1)
+
+
+def test_an_exponent_of_times_is_measured_and_not_judged() -> None:
+    """A time has a fixed cost: beside no p there is no verdict; beside one there is."""
+    growth = importer("min_2003")("min_growth")
+    table = Table("")
+    growth.add_slope(table, "time", [8, 16, 32], [1.0, 1.5, 4.0], None)
+    growth.add_slope(table, "cells", [8, 16, 32], [8.0, 16.0, 32.0], 1)
+    growth.add_slope(table, "cells", [8, 16, 32], [8.0, 16.0, 32.0], 2)
+    assert [row.verdict for row in table.rows] == ["measured", "exact", "differs by -1"]
