@@ -115,7 +115,10 @@ def extract(values, isovalue, spacing):
     given = [said.get(word) for word in ("vertices", "simplices", "faces", "polygons", "polylines")]
     files = [np.load(path.parent / one) if isinstance(one, str) else one for one in given]
     vertices, *rows, lines = files
-    return lines or (vertices, next(one for one in rows if one is not None))
+    rows = next((one for one in rows if one is not None), lines)
+    if isinstance(rows, list) and any(None in row for row in rows):
+        raise ValueError(f"a corner is no number: {{rows}}")
+    return lines or (vertices, rows)
 
 
 told(command="start", protocol=3)
