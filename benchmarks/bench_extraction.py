@@ -33,8 +33,7 @@ from isoref.fast.sweep import PART_CELLS, SLAB_POINTS, _Sweep, sweep
 from isoref.field import Array, Field, least_inside
 from isoref.methods import METHODS, RULES
 from outside import PEERS, AbsentError, Outside, library, version
-from pages import Page, of_numpy, one_call, profiled, table_of
-from pages import profile as profile_of
+from pages import Page, of_numpy, one_call, own_times, profiled, table_of
 from scipy.ndimage import gaussian_filter
 
 Run = Callable[[], object]
@@ -333,11 +332,13 @@ def fine(values: Array, found: Measured) -> list[str]:
 
 
 def why_slow(method: str, values: Array, isovalue: float) -> list[str]:
-    """Where the time of a method goes on a field, by function."""
+    """Where the time of a method goes on a field, by module and by function."""
     field = Field.of(values)
-    heads = [f"{method}: function", "of its time"]
-    rows = profile_of(lambda: METHODS[method.split()[1]](field, isovalue), "isoref")
-    return [table_of(heads, rows)]
+    found = profiled(lambda: METHODS[method.split()[1]](field, isovalue))
+    return [
+        table_of([f"{method}: module", "of its time"], own_times(found, "isoref", modules=True)),
+        table_of([f"{method}: function", "of its time"], own_times(found, "isoref")),
+    ]
 
 
 WHY_FINE = """\
@@ -347,10 +348,10 @@ for each polygon of more than three sides. The table says how much larger the me
 where that alone is more than a goal of 1.5 allows, each of those vertices and triangles would have
 to cost less than one of the others does."""
 WHY_RULES = """\
-What another rule does and the decider does not are the decisions: of trilinear-cubes those inside a
-cell as well as on its faces, in every cell with an ambiguous face; of mixed VESTA the mean of four
-samples on each of these. Its share is in the table: functions of `trilinear_cubes`,
-`_decisions` and the like."""
+What another rule does and the decider does not are its decisions, of trilinear-cubes those inside a
+cell as well as on its faces; they are the modules other than `sweep`, `_bits`, `_fans` and
+`_growing`, which carry every rule. And it has more points inside polygons and cells: those are
+placed by `sweep._add_interior`, `_average`, `_mean` and `_place_deferred`, looked up and drawn."""
 
 
 #: The stages of a sweep by the methods that make them; some lie within others.

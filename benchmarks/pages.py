@@ -179,22 +179,25 @@ def one_call() -> float:
     return min(timeit.repeat(lambda: np.add.reduce(numbers), number=10_000, repeat=7)) / 10_000
 
 
-def own_times(entries: dict[Any, Any], package: str, most: int = 8) -> list[list[str]]:
-    """The rows of `profile`, of what was counted."""
+def own_times(
+    entries: dict[Any, Any], package: str, most: int = 8, *, modules: bool = False
+) -> list[list[str]]:
+    """The rows of `profile`, of what was counted; by modules, where these are asked for."""
     inside = {name for name in entries if f"/{package}/" in Path(name[0]).as_posix()}
     own = {name: entries[name][2] for name in inside}
     for name, (*_, callers) in entries.items():
         for caller, (*_, seconds) in callers.items():
             if name not in inside and caller in inside:
                 own[caller] += seconds
-    whole = sum(own.values())
-    first = sorted(own, key=lambda name: -own[name])[:most]
-    rows = [
-        [f"`{Path(file).stem}.{what}`", f"{own[file, line, what] / whole:.0%}"]
-        for file, line, what in first
-    ]
-    rest = sum(own.values()) - sum(own[name] for name in first)
-    return [*rows, [f"{len(own) - len(first)} others", f"{rest / whole:.0%}"]]
+    shares: dict[Any, float] = {}
+    for (file, line, what), seconds in own.items():
+        shown = (Path(file).stem,) if modules else (Path(file).stem, what, file, line)
+        shares[shown] = shares.get(shown, 0.0) + seconds
+    whole = sum(shares.values())
+    first = sorted(shares, key=lambda name: -shares[name])[:most]
+    rows = [[f"`{'.'.join(name[:2])}`", f"{shares[name] / whole:.0%}"] for name in first]
+    rest = whole - sum(shares[name] for name in first)
+    return [*rows, [f"{len(shares) - len(first)} others", f"{rest / whole:.0%}"]]
 
 
 def over(timings: Sequence[Timing], one: str, other: str) -> tuple[float, float, float]:

@@ -16,7 +16,7 @@ from isograde.stopwatch import Machine
 from isoref.fast.dual import quads
 from isoref.field import Field
 from isoref.methods import DUAL_RULES, METHODS, extract
-from pages import Goal, Page, profile
+from pages import Goal, Page, own_times, profile, profiled
 
 
 @pytest.mark.parametrize("others", [0.0, 1.7])
@@ -73,6 +73,9 @@ def test_a_profile_gives_a_function_what_it_calls_outside_the_package() -> None:
     assert sum(shares) == pytest.approx(100, abs=3)
     assert "others" in rows[-1][0]
     assert all("." in name for name, _ in rows[:3])
+    by_module = own_times(profiled(lambda: extract(values, 0.0)), "isoref", 3, modules=True)
+    assert "`sweep`" in {name for name, _ in by_module}
+    assert sum(float(share.rstrip("%")) for _, share in by_module) == pytest.approx(100, abs=3)
 
 
 def test_a_goal_is_met_on_the_right_side_of_its_bound() -> None:
