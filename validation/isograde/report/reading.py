@@ -525,7 +525,10 @@ def gather(records: Iterable[JSON], place: str = "the report") -> Report:
     """The report these records make. Raises `ReportError` where they do not begin with a header."""
     report: Report | None = None
     for record in records:
-        record = fit(record)
+        try:
+            record = fit(record)
+        except RecursionError:
+            raise ReportError(f"{place} has a line that is nested too deeply") from None
         if record["record"] == "header":
             if report is not None:
                 raise ReportError(f"{place} has two headers: it is two reports in one file")
