@@ -75,6 +75,9 @@ def test_a_fault_is_caught_by_the_claim_that_must(name: str) -> None:
     )
     assert fault.first in asked
     assert worker.claims[fault.first].held(worker.declaration)
+    # What an extractor keeps from call to call shows on a case that comes after another.
+    if before := CAUGHT[name].get("after"):
+        assert broken(worker, worker.judge(Task(before, asked))) == []
     assert broken(worker, worker.judge(Task(case, asked))) == [fault.first]
     assert CAUGHT[name]["claim"] == fault.first
 
