@@ -27,6 +27,7 @@ def test_every_work_that_is_cited_has_an_address() -> None:
 def test_no_two_works_are_named_alike() -> None:
     """An author and a year, or an author and a title, belong to one work."""
     papers = prose.bibliography()
+    assert papers
     for key in ("year", "title"):
         assert len({(one["author"], one[key]) for one in papers}) == len(papers)
     for one in papers:

@@ -9,5 +9,6 @@ outsiders   shortcuts that nobody looked for, and what the plan lets pass
 placed      faults of axes that run elsewhere in the world
 catching    the default plan, asked until a promise is broken
 matrix      ``make faults``: the whole plan, every fault, every claim, into a report
-caught.json for each fault a case of the plan that catches it, and what is broken there
+caught.json for each fault a case of the plan that catches it, and what is broken there;
+            "after" names the case before it, by hand, for who keeps something from call to call
 """

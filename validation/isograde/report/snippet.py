@@ -148,17 +148,18 @@ def arrays(answer, n, k):
     return soup.reshape(-1, n), np.arange(soup.size // n).reshape(-1, k + 1)
 '''
 CALL = "answer = extract({values}, {isovalue}[0], {spacing})"
-CALL_SEVERAL = """# m fields at once, or one argument for each.
+SEVERAL = """\
 needed = [one for one in signature(extract).parameters.values() if one.default is one.empty]
 several = len(needed) > 3
-given = (*{values}, *{isovalue}) if several else ({values}, {isovalue})
-answer = extract(*given, {spacing})"""
+"""
+CALL_SEVERAL = f"""# m fields at once, or one argument for each.
+{SEVERAL}given = (*{{values}}, *{{isovalue}}) if several else ({{values}}, {{isovalue}})
+answer = extract(*given, {{spacing}})"""
 # The same, for lines that ask about several fields one after another.
-GIVEN = """
+GIVEN = f"""
 
 def given(values):  # m fields at once, or one argument for each.
-    needed = [one for one in signature(extract).parameters.values() if one.default is one.empty]
-    several = len(needed) > 3
+{indent(SEVERAL, "    ")}\
     return (*values, *isovalue, spacing) if several else (values, isovalue, spacing)
 """
 # Two answers that should be one have as many simplices, and the same vertices.
