@@ -25,7 +25,7 @@ from skimage.measure import marching_cubes
     [
         ("cells", "85c017c55cc4c8ea07796a0aa2bb0111c413d8944ae59213956faaa91af07ea9"),
         ("pairs", "cdc4b243b834ea9650e0ce8fc1b4e4ef5f1809acfeecf6793277cbec8815b166"),
-        ("ties", "c012c6336c65b7ecefa3ee5e911300c7359dc7bf5e468622cf259368997c6509"),
+        ("ties", "4b98a86a7cd31f793c7043e689b4c5932041bcd411eb0181e6930cc9fcb49c31"),
         ("noise", "2f631a6fcfe2e25250ef188ad85a3d52e3ee92837ee6ce3b69c1ed5ebc91ab69"),
         ("analytic", "0bf50ecab66e95e5ce507a998b663ae0e737797ec496f569fd8dec207bf05ec2"),
     ],

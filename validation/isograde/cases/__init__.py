@@ -31,14 +31,15 @@ from isograde.cases import (
 )
 from isograde.model import Case
 
-PLAN = 3
+PLAN = 4
 """The version of the plan: which cases there are, their numbers, and which run by default.
 
 Reports say it, and verdicts of unlike plans are not to be compared. 1 chose its cases by hand; 2
 chooses them by coverage (`reports/coverage.md`), and asks about types, shapes, magnitudes, calls;
 3 adds what the last of the faults that were broken on purpose got past (numbers beyond 2 ** 24 and
 equal modulo 2 ** 16, the declared side of ties, crossings at them, digits of doubles), and samples
-that are infinite or no numbers.
+that are infinite or no numbers; 4 poses fields of other types than doubles in all layouts, too, and
+adds whole isovalues amid whole numbers, a spacing of 1 along one axis, and -0.0.
 """
 
 FAMILIES: dict[str, ModuleType] = {

@@ -88,6 +88,9 @@ def cases(seed: int = 0) -> list[Case]:
         ("1e-6", (1e-6, 1e-6, 1e-6)),
         ("ratio", (1e-3, 1.0, 1.0)),
         ("million", (1e6, 2e6, 3e6)),
+        ("first", (1.0, 2.0, 0.5)),
+        ("second", (2.0, 1.0, 0.5)),
+        ("third", (0.5, 2.0, 1.0)),
     ):
         name = f"structured/spacing-{word}"
         made.append(_case(name, partial(spaced, name, seed, spacing), 120))

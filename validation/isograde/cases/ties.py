@@ -28,6 +28,11 @@ def three_values(name: str, seed: int, shape: tuple[int, int, int]) -> Field:
     return Field.of(integers(name, seed, shape, -1, 2).astype(np.float64))
 
 
+def minus_zero() -> Field:
+    """A slab of -0.0, which is 0, amid low samples."""
+    return Field.of(np.copysign(patterned("slab").values, -1.0))
+
+
 def balanced(configuration: int) -> Field:
     """The configuration with every sample at distance 1: each ambiguous face has a tied saddle."""
     return Field.of(np.where(embedded(configuration, border=False), 1.0, -1.0))
@@ -78,6 +83,7 @@ def cases(seed: int = 0) -> list[Case]:
         name = f"ties/noise-{index:02d}"
         tags = plain | {"posed"} if index < 2 else plain
         made.append(Case(name, partial(three_values, name, seed, (4, 5, 6)), (0.0,), 120, tags))
+    made.append(Case("ties/minus-zero", minus_zero, (0.0,), 125, plain))
     for configuration in range(256):
         tags = plain if configuration in representatives() else plain | {"full"}
         made += _corners(configuration, tags)

@@ -2,13 +2,15 @@
 
 A program that takes the isovalue off in the type of the samples, or that rounds it to that type, is
 right on small positive numbers. Here the samples reach the least and the greatest number of their
-type, so that differences overflow, and isovalues lie between whole numbers and below zero. Two
-small fields hold the same whole numbers in all types, and are posed in all ways.
+type, so that differences overflow, and isovalues lie between whole numbers, on one, and below zero.
+Two small fields hold the same whole numbers in all types, and are posed in all ways; so is one of
+each of the types for which programs have a way of their own: their layouts in memory are asked too.
 
 Glossary
 --------
 middle      an isovalue in the middle of the type's range, half a step beside a whole number
 low, high   an isovalue near the least, or the greatest, number of the type
+whole       an isovalue that is a whole number, which no sample has
 """
 
 from __future__ import annotations
@@ -48,6 +50,23 @@ def isovalues(dtype: str) -> dict[str, float]:
     }
 
 
+def odd(name: str, seed: int, dtype: str) -> Field:
+    """Odd numbers over the whole range of a whole type."""
+    return full_range(name, seed, dtype).with_values(
+        full_range(name, seed, dtype).values | np.ones(1, dtype)
+    )
+
+
+def saddles(name: str, seed: int) -> Field:
+    """Samples of 16 bits near either end of their range, far from the isovalue and near it.
+
+    Differences of those far from it have products that 32 bits do not hold.
+    """
+    high = integers(name, seed, SHAPE, 0, 2).astype(bool)
+    drawn = integers(f"{name}#", seed, SHAPE, 0, 500)
+    return Field.of(np.where(high, 32_767 - drawn, drawn - 32_768).astype(np.int16))
+
+
 def real(name: str, seed: int, dtype: str) -> Field:
     """Noise of multiples of 2 ** -10, which every real type holds."""
     drawn = integers(name, seed, SHAPE, -1024, 1023)
@@ -76,6 +95,20 @@ def cases(seed: int = 0) -> list[Case]:
         for dtype in REAL
         for name in (f"types/{dtype}",)
     ]
+    for dtype, level in (("int16", 2.0), ("int32", 2.0), ("uint8", 128.0)):
+        name = f"types/{dtype}-whole"
+        made.append(_case(name, partial(odd, name, seed, dtype), level, "posed"))
+    made.append(
+        _case("types/int16-saddles", partial(saddles, "types/int16-saddles", seed), -31_000.0)
+    )
+    made.append(
+        _case(
+            "types/float32-posed",
+            partial(real, "types/float32-posed", seed, "float32"),
+            2.0**-12,
+            "posed",
+        )
+    )
     made.append(_case("types/bool", partial(truths, "types/bool", seed), 0.5))
     for name, low, high, isovalue in (
         ("types/signed", -100, 101, -12.5),
@@ -88,5 +121,5 @@ def cases(seed: int = 0) -> list[Case]:
 
 def _case(name: str, build: partial[Field], isovalue: float, *tags: str) -> Case:
     """The case of this name."""
-    samples = 80 if "posed" in tags else 120
+    samples = 80 if "ranges" in tags else 120
     return Case(name, build, (isovalue,), samples, frozenset({"types", *tags}))
