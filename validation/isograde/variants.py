@@ -313,7 +313,7 @@ def _holds(kind: str, values: Array) -> bool:
     """Whether every value is a number of this type."""
     if np.dtype(kind).kind in "iu":
         span = np.iinfo(kind)
-        if values.min() < span.min or values.max() > span.max:
+        if values.min().item() < span.min or values.max().item() > span.max:
             return False
     with np.errstate(over="ignore"):
         return bool((values.astype(kind) == values).all())
