@@ -158,6 +158,7 @@ def fields() -> dict[str, int]:
         "number types in plain cases": len(plain),
         "number types as variants": len(asked & set(variants.TYPES)),
         "layouts in memory": len(asked & set(_layouts())),
+        "number types, each in each layout": _types_in_layouts(),
         "shapes": len(shapes),
         "axes with an extent of 1": len({a for s in shapes for a in range(3) if s[a] == 1}),
         "axes with an extent of 2": len({a for s in shapes for a in range(3) if s[a] == 2}),
@@ -174,6 +175,20 @@ def fields() -> dict[str, int]:
 def _layouts() -> tuple[str, ...]:
     """The variants of memory."""
     return CLAIMS["symmetry.layout"].variants
+
+
+def _types_in_layouts() -> int:
+    """Pairs of the number type and the layout with which some field is posed."""
+    names = _layouts()
+    return len(
+        {
+            (field.values.dtype.name, name)
+            for case, field in built()
+            if "posed" in case.tags
+            for name in names
+            if variants.pose(name, case, field) is not None
+        }
+    )
 
 
 def _asked() -> set[str]:

@@ -248,6 +248,15 @@ def _read_only(field: Field, isovalues: Isovalues) -> Posed:
     return _values(field, values), isovalues
 
 
+def _mapped(field: Field, isovalues: Isovalues) -> Posed:
+    """As the file of another machine is mapped into memory, which is three layouts at once."""
+    values = field.values.copy(order="F")
+    if values.dtype.itemsize > 1:
+        values = values.astype(values.dtype.newbyteorder("S"), order="F")
+    values.flags.writeable = False
+    return _values(field, values), isovalues
+
+
 def _without_stride(field: Field, isovalues: Isovalues) -> Posed:
     """The samples along the first axis on which they do not change, each once in memory."""
     first = field.values.ndim - field.dimension
@@ -528,6 +537,11 @@ SIMPLE: tuple[Variant, ...] = (
     Variant("backwards", "a view that runs backwards through memory", _backwards),
     Variant("swapped", "the bytes of every number in the other order", _swapped_bytes),
     Variant("read-only", "samples that cannot be written", _read_only),
+    Variant(
+        "mapped",
+        "first axis fastest, bytes in the other order, not to be written: a file that is mapped",
+        _mapped,
+    ),
     Variant("stride-0", "equal samples along an axis, once in memory", _without_stride),
     *(Variant(kind, f"samples as {meaning}", _as_type(kind)) for kind, meaning in TYPES.items()),
     *(

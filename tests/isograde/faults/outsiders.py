@@ -170,6 +170,19 @@ class ShortsAsTheyLie(Engine):
 
 
 @outsider("symmetry.layout")
+class FirstAxisFastest(Engine):
+    """Arrays whose first axis is fastest are read from their buffer, as if in the usual order."""
+
+    def read(self, values: Any) -> Array:
+        """The samples, by a short cut of their layout."""
+        given = np.asarray(values)
+        if given.flags.f_contiguous and not given.flags.c_contiguous:
+            native = given.dtype.newbyteorder("=")
+            given = np.frombuffer(given.tobytes("F"), native).reshape(given.shape, order="F")
+        return super().read(given)
+
+
+@outsider("symmetry.layout")
 class BytesToBeWritten(Engine):
     """Bytes are asked for as a buffer that can be written, as Cython does without const."""
 

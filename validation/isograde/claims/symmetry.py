@@ -602,7 +602,7 @@ def two_components(kind: Kind) -> bool:
     return kind.m > 1
 
 
-LAYOUTS = ("fortran", "strided", "backwards", "swapped", "read-only", "stride-0")
+LAYOUTS = ("fortran", "strided", "backwards", "swapped", "read-only", "mapped", "stride-0")
 
 
 def _claim(

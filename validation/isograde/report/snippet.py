@@ -236,6 +236,8 @@ LAYOUTS = {
     "strided": "posed_values = np.repeat(np.repeat(posed_values, 2, 0), 2, -1)[::2, ..., ::2]",
     "backwards": "posed_values = np.array(posed_values[..., ::-1, :], order='C')[..., ::-1, :]",
     "read-only": "posed_values.flags.writeable = False",
+    "mapped": "posed_values = np.asfortranarray(posed_values)\n"
+    "posed_values.flags.writeable = False",
     "stride-0": "same = [np.ptp(posed_values, a).max() for a in range(posed_values.ndim)]\n"
     "axis = same.index(0)"
     "\nposed_values = np.broadcast_to(np.take(posed_values, [0], axis), posed_values.shape)",
