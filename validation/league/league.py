@@ -363,7 +363,7 @@ def stale(path: Path, declared: Mapping[str, Any]) -> str:
         return "its report is of a part of the plan, or of other numbers"
     cases = {one["id"] for one in lines(path) if one["record"] == "case"}
     if list(SURFACES) in header["kinds"] and (missing := scans() - cases):
-        return f"its report is without {len(missing)} scans that are here"
+        return f"its report is without {len(missing)} of the scans that are here"
     return ""
 
 
@@ -387,10 +387,10 @@ def seconds_before(method: str) -> float:
         return USUAL
 
 
-def apart(method: str, given: argparse.Namespace) -> int:
-    """The status with which a process of its own ends that grades the method."""
+def apart(method: str, why: str, given: argparse.Namespace) -> int:
+    """The status with which a process of its own ends that grades the method, and says why."""
     asked = [sys.executable, str(HERE / "league.py"), method, "--anew", "--no-page"]
-    asked += ["--at-once", "1", "--jobs", str(given.jobs)]
+    asked += ["--because", why, "--at-once", "1", "--jobs", str(given.jobs)]
     if given.only:
         asked += ["--only", *given.only]
     return subprocess.run(asked, check=False).returncode
@@ -575,6 +575,7 @@ def parser() -> argparse.ArgumentParser:
     told.add_argument("--list", action="store_true", help="name the methods, and do nothing")
     told.add_argument("--build", action="store_true", help="build only")
     told.add_argument("--anew", action="store_true", help="grade also what has a report of today")
+    told.add_argument("--because", default="asked for", help=argparse.SUPPRESS)
     told.add_argument("--again", action="store_true", help="the same, and build anew before")
     told.add_argument("--page", action="store_true", help="write the page of what is there")
     told.add_argument("--no-page", action="store_true", help="grade, and do not write the page")
@@ -641,19 +642,19 @@ def _done(package: Package, method: str, given: argparse.Namespace) -> bool:
     if given.redeclare:
         why = "what it promises"
     elif given.anew or given.again:
-        why = "asked for"
+        why = given.because
     else:
         why = stale(kept(method), package.declaration(method))
     if not why:
         return True
     reason.unlink(missing_ok=True)
-    print(f"{method}: grading ({why})", flush=True)
     try:
         if given.redeclare:
             redeclare(package, method)
         elif given.at_once == 1:
+            print(f"{method}: grading ({why})", flush=True)
             grade(package, method, given.only, given.jobs)
-        elif ended := apart(method, given):
+        elif ended := apart(method, why, given):
             if not reason.exists():
                 _keep(reason, f"{method}: the process that graded it ended with status {ended}")
             return False
