@@ -370,11 +370,6 @@ class Truths:
         """(n,) number of times curves share a sheet: curves less sheets."""
         return self.curves - self.components
 
-    @property
-    def genus(self) -> Ints:
-        """(n,) total genus of the sheets, from Euler = 2 sheets - 2 genus - curves."""
-        return (2 * self.components - self.curves - self.euler) // 2
-
 
 def _count_pairs(high: NDArray[np.bool_], names: Ints) -> Ints:
     """Number of boundaries between parts: the parts form a tree, so one less than there are."""
