@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations, product
+from math import prod
 
 import numpy as np
 from isoref.field import Booleans, Floats, Integers
@@ -347,7 +348,7 @@ def _turned_over(
 
 def _areas(lattice: Lattice, mesh: Complex) -> Floats:
     """(N, 3) the sum of the areas, as vectors, of the triangles of each cell."""
-    size = int(np.prod(lattice.shape))
+    size = prod(lattice.shape)
     cell = _cells(lattice, mesh.points[mesh.simplices].mean(axis=1))
     return np.stack([np.bincount(cell, part, size) for part in (mesh.normals / 2).T], axis=1)
 
@@ -376,6 +377,9 @@ def _same_squares(trial: Trial, other: Complex) -> str:
 
 def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
     """The rows of the cells that both have, and how many untied cells only one has."""
+    if np.array_equal(ours.cell, theirs.cell):
+        every = np.arange(len(ours.cell))
+        return every, every, 0
     _, row, other = np.intersect1d(ours.cell, theirs.cell, assume_unique=True, return_indices=True)
     lost = int((~ours.tied).sum() - (~ours.tied[row]).sum())
     lost += int((~theirs.tied).sum() - (~theirs.tied[other]).sum())

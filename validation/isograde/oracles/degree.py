@@ -104,10 +104,8 @@ def meetings(lattice: Lattice, places: Floats, simplices: Integers) -> Meetings:
         for simplices that lie across far more flats than those of a level set
     """
     n, m = lattice.n, len(lattice.isovalues)
-    excused = excused_samples(lattice)
-    parts = [
-        _along(lattice, places, simplices, axes, excused) for axes in combinations(range(n), m)
-    ]
+    out = excused_samples(lattice) | ~_within_domain(lattice)
+    parts = [_along(lattice, places, simplices, axes, out) for axes in combinations(range(n), m)]
     return Meetings(
         np.concatenate(
             [
@@ -153,9 +151,12 @@ def _spread_out(marked: Booleans, steps: int) -> Booleans:
 
 
 def _along(
-    lattice: Lattice, places: Floats, simplices: Integers, axes: tuple[int, ...], excused: Booleans
+    lattice: Lattice, places: Floats, simplices: Integers, axes: tuple[int, ...], out: Booleans
 ) -> tuple[Integers, Integers, Integers]:
-    """Corners, meetings found and wanted of the faces along these axes."""
+    """Corners, meetings found and wanted of the faces along these axes.
+
+    out : (N1, .., Nn) samples whose side need not be told
+    """
     n, m = lattice.n, len(axes)
     others = tuple(a for a in range(n) if a not in axes)
     turned = (*axes, *others)
@@ -186,32 +187,33 @@ def _along(
     else:
         values = [component.transpose(turned) for component in components(lattice.field)]
         key, wanted = _degrees(values, lattice.isovalues, sides, m, periodic)
-    every, group = np.unique(np.concatenate([seen, key]), return_inverse=True)
+    listed = np.zeros(out.size, bool)
+    listed[seen] = listed[key] = True
+    every = np.flatnonzero(listed)
     found, due = np.zeros((2, len(every)), np.int64)
-    np.add.at(found, group[: len(seen)], sign * turn[within])
-    due[group[len(seen) :]] = wanted
+    np.add.at(found, every.searchsorted(seen), sign * turn[within])
+    due[every.searchsorted(key)] = wanted
 
     # Leave out, or bridge, what need not be told.
-    out = excused.transpose(turned)
-    inside = _within_domain(lattice, turned, shape)
+    out = out.transpose(turned)
     if m == 1:
-        every, found, due = _bridged(every, found, due, out | ~inside, shape, periodic[0])
+        every, found, due = _bridged(every, found, due, out, shape, periodic[0])
     else:
         corner = np.stack(np.unravel_index(every, shape), 1)
-        keep = ~_any_corner(out | ~inside, corner, m)
+        keep = ~_any_corner(out, corner, m)
         every, found, due = every[keep], found[keep], due[keep]
     start = np.stack(np.unravel_index(every, shape), 1)
     return start[:, np.argsort(turned)], found, due
 
 
-def _within_domain(lattice: Lattice, turned: tuple[int, ...], shape: tuple[int, ...]) -> Booleans:
-    """Samples, axes turned, that are in the domain."""
-    inside = np.ones(shape, bool)
-    for place, axis in enumerate(turned):
-        index = np.arange(lattice.shape[axis])
+def _within_domain(lattice: Lattice) -> Booleans:
+    """Samples that are in the domain."""
+    inside = np.ones(lattice.shape, bool)
+    for axis, size in enumerate(lattice.shape):
+        index = np.arange(size)
         along = (index >= lattice.first[axis]) & (index <= lattice.last[axis])
-        view = [1] * len(shape)
-        view[place] = -1
+        view = [1] * lattice.n
+        view[axis] = -1
         inside &= along.reshape(view)
     return inside
 

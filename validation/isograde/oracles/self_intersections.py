@@ -93,9 +93,11 @@ def _meet(points: Floats, faces: Integers, planes: Floats, pairs: Integers) -> B
         rows = np.flatnonzero(shared == number)
         if not len(rows):
             continue
-        rows = rows[~_ask(apart, points[corners[rows]])]
+        # Ask at once in integers where those of the machine do, else first in floating point.
         fine = _on_fine_grid(points[corners[rows]])
-        for some, numbers in ((rows[fine], _small), (rows[~fine], integers)):
+        small, rest = rows[fine], rows[~fine]
+        rest = rest[~_ask(apart, points[corners[rest]])]
+        for some, numbers in ((small, _small), (rest, integers)):
             meet[open_[some]] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
     return meet
 
