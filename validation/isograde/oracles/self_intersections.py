@@ -46,6 +46,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -321,8 +322,14 @@ def _every_pair(count: int) -> list[tuple[Integers, Integers]]:
     """All pairs of so few faces that sorting them into bins costs more; else no portion."""
     if count > FEW:
         return []
+    return [_each_with_each(count)]
+
+
+@cache
+def _each_with_each(count: int) -> tuple[Integers, Integers]:
+    """Every pair of so many things, each once."""
     one, other = np.triu_indices(count, 1)
-    return [(one, other)]
+    return one, other
 
 
 def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers, Integers]:
