@@ -39,6 +39,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import combinations, permutations
 from math import prod
 from typing import Any
@@ -179,7 +180,7 @@ def _along(
     turned = (*axes, *others)
     shape = tuple(lattice.shape[a] for a in turned)
     periodic = [lattice.ends[a].end == "periodic" for a in turned]
-    sign = int(parity(np.array([turned]))[0])
+    sign = _parity_of(turned)
 
     # Find the points in which the mesh meets the flats of the domain.
     within_ends = tuple(sizes[a] for a in turned)
@@ -221,6 +222,12 @@ def _along(
         every, found, due = every[keep], found[keep], due[keep]
     start = np.stack(np.unravel_index(every, shape), 1)
     return start[:, np.argsort(turned)], found, due
+
+
+@cache
+def _parity_of(turned: tuple[int, ...]) -> int:
+    """The parity of one permutation."""
+    return int(parity(np.array([turned]))[0])
 
 
 def _within_domain(lattice: Lattice) -> Booleans:

@@ -295,10 +295,10 @@ def alike(ours: Traces, theirs: Traces, row: Integers, other: Integers) -> Boole
     Flat triangles of a neighbour add readings to a face, and which cell they belong to is not
     compared; so the same surface posed otherwise may have more readings, but has one in common.
     """
-    if not len(ours.lying) + len(theirs.lying):
-        # Without flat triangles there is one reading, and most often it is the same everywhere.
-        if np.array_equal(ours.code[row], theirs.code[other]):
-            return np.ones((len(row), 6), bool)
+    # Without flat triangles there is one reading, and most often it is the same everywhere.
+    plain = not len(ours.lying) and not len(theirs.lying)
+    if plain and np.array_equal(ours.code[row], theirs.code[other]):
+        return np.ones((len(row), 6), bool)
     separated, joined = ours.separated[row], ours.joined[row]
     others = theirs.separated[other], theirs.joined[other]
     common = (separated & others[0]) | (joined & others[1])
@@ -437,6 +437,8 @@ def _lying(
 ) -> Lying:
     """The flat triangles on the faces of these cells."""
     level = extent <= 0
+    if not level.any():
+        return Lying.none()
     flat = np.flatnonzero(level.any(axis=1) & (level.sum(axis=1) == 1) & (extent <= 1).all(axis=1))
     if not len(flat) or not len(cell):
         return Lying.none()
