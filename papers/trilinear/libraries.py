@@ -91,6 +91,9 @@ triangles. MeshLab, which takes small fields only, has a tenth of the random cel
 is called as it is (`pymeshlab:raw`) it leaves the last two layers of cells out along each axis, so
 it is given two layers of samples more.
 
+A triangle that lies in a face, as some of trimesh's do, whose vertices are halfway between samples,
+may belong to the cell on either side: it is given to the one that leaves fewer cells wrong.
+
 As a whole: the targeted cells amid low samples, so that each has a closed surface of its own; right
 where its components and its Euler characteristic are. This can be asked of anybody. The row of an
 implementation that cannot be judged cell by cell says why, in words.

@@ -349,3 +349,19 @@ def test_needles_are_caught() -> None:
     found = quality("asymptotic-decider", with_needles)
     assert found.verdict is Verdict.FAIL
     assert "angle below 5 degrees" in found.detail
+
+
+def test_a_finding_on_an_order_names_both_ends_of_the_row() -> None:
+    """The error at the coarsest spacing and at the finest, each with its spacing."""
+    found = accuracy._in_order([0.5, 0.25, 0.125], [0.3, 0.2, 0.1], 3.0, {"more": 7.0})
+    assert found.verdict is Verdict.FAIL
+    assert "error 0.3 at h = 0.5, 0.1 at h = 0.12" in found.detail
+    assert (found.numbers["finest_error"], found.numbers["more"]) == (0.1, 7.0)
+
+
+def test_as_many_thin_triangles_are_allowed_as_a_binomial_count_may_have() -> None:
+    """Of "accuracy.shapes": the mean and three deviations, beside SciPy's."""
+    found = quality("asymptotic-decider")
+    count = found.numbers["triangles"]
+    drawn = stats.binom(count, OF_PLANES)
+    assert found.numbers["allowed"] == round((drawn.mean() + 3 * drawn.std()) / count, 4)

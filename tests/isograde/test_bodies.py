@@ -656,3 +656,12 @@ def test_bounds_refuse_what_they_do_not_know(given: Any, message: str) -> None:
         bounds(*given)
     with pytest.raises(ValueError, match="no bodies are known"):
         known_bodies(6, 2)
+
+
+def test_what_is_flat_encloses_nothing_and_has_no_centroid() -> None:
+    """Two triangles of opposite orientation, and a polygon walked there and back."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
+    for vertices, rows in ((points, [[0, 1, 2], [0, 2, 1]]), (points[:, :2], [[0, 1], [1, 0]])):
+        volume, centroid = enclosed(vertices, np.array(rows))
+        assert volume == 0
+        assert np.isnan(centroid).all()

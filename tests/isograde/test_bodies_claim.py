@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
-from isograde.claims.bodies import CLAIMS
+from isograde.claims.bodies import CLAIMS, _within
 from isograde.declaration import Split, declaration_from
 from isograde.model import Case, Kind, Verdict
 from isoref.fast import simplicial
@@ -243,3 +243,22 @@ def test_no_way_to_declare_it_lets_nothing_pass_for_something(name: str, interpo
         assert bad or not counts[Verdict.PASS], (says, found)
         tried += 1
     assert tried == 100
+
+
+@pytest.mark.parametrize(
+    ("found", "most", "verdict"),
+    [
+        (0.25, 0.25, Verdict.PASS),
+        (np.nextafter(0.25, 1), 0.25, Verdict.FAIL),
+        (np.nan, 0.25, Verdict.FAIL),
+        (np.inf, 0.25, Verdict.FAIL),
+        (0.25, np.inf, Verdict.SKIP),
+    ],
+)
+def test_a_number_is_within_its_bound_up_to_the_bound(
+    found: float, most: float, verdict: Verdict
+) -> None:
+    """What is no number is not, and without a bound there is no evidence."""
+    finding = _within("distance", found, most)
+    assert finding.verdict is verdict
+    assert ("at most 0.25" in finding.detail) == (verdict is Verdict.FAIL)

@@ -1,6 +1,7 @@
 """Cells are legal for their family, have the parts they take, and what they choose is told."""
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -249,3 +250,54 @@ def test_a_split_keeps_its_phase_where_the_outermost_cells_are_left_out() -> Non
     one = of(Field.of(values), vertices, faces[inner[faces].all(axis=1)], declared)
     for name in ("geometry.vertices", "geometry.crossing", "cells.legal", "cells.count"):
         assert judged(name, one).verdict is Verdict.PASS, name
+
+
+def test_the_faces_and_the_cells_that_the_saddle_decides_otherwise_are_counted() -> None:
+    """Of noise with the inside corners joined: where they are apart, by B(S, T) face by face."""
+    values = noise()
+    faces = []
+    for i, j, k in np.ndindex(*np.subtract(values.shape, 1)):
+        for axis, side in product(range(3), range(2)):
+            (a, b), (c, d) = np.take(values[i : i + 2, j : j + 2, k : k + 2], side, axis)
+            if (a > 0) == (d > 0) != (b > 0) == (c > 0) and (a * d < b * c) == (a + d > b + c):
+                faces.append((i, j, k))
+    mesh = METHODS["marching-vesta-connect-L"](Field.of(values), 0.0)
+    found = judged("topology.bilinear", of(Field.of(values), mesh.vertices, mesh.simplices, PLAIN))
+    assert found.numbers["wrong_faces"] == len(faces)
+    assert found.numbers["wrong"] == len(set(faces)) < len(faces)
+
+
+def test_a_triangle_drawn_twice_more_is_two_more_than_the_cell_takes() -> None:
+    """The finding has what was found, and what is wanted."""
+    right = trial(CORRECT["cubes"], noise())
+    wrong = of(right.field, *doubled(right.mesh.vertices, right.mesh.simplices), PLAIN)
+    found = judged("cells.count", wrong)
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers["found"] == found.numbers["wanted"] + 2
+    assert f"has {found.numbers['found']} triangles" in found.detail
+    assert found.detail.endswith(f"take {found.numbers['wanted']}")
+
+
+def test_of_several_parts_that_span_cells_the_first_is_named() -> None:
+    """By its vertices, in index coordinates."""
+    right = contours(noise(3, (9, 8)))
+    rows = right.mesh.simplices.copy()
+    rows[[5, 15, 25], 0] = rows[[-5, -15, -25], 0]
+    found = judged("cells.legal", of(right.field, right.mesh.vertices, rows, PLAIN))
+    assert found.numbers["spanning"] == 3
+    first = right.mesh.vertices[rows[5]] / right.field.spacing
+    assert found.numbers["first"] == pytest.approx(first, abs=1e-4)
+
+
+def test_where_inner_vertices_leave_the_number_of_parts_open_it_is_not_judged() -> None:
+    """In four dimensions: one part cut at its middle is still a section, of four parts more."""
+    field = Field.of(np.random.default_rng(4).normal(size=SHAPES[4]))
+    mesh = simplicial(field)
+    row, top = mesh.simplices[7], len(mesh.vertices)
+    cut = np.array([[*np.delete(row, i), top] for i in range(4)])
+    points = np.concatenate([mesh.vertices, mesh.vertices[row].mean(axis=0)[None]])
+    rows = np.concatenate([np.delete(mesh.simplices, 7, axis=0), cut])
+    found = judged("cells.count", of(field, points, rows, SPLIT))
+    plain = judged("cells.count", of(field, mesh.vertices, mesh.simplices, SPLIT))
+    assert found.verdict is plain.verdict is Verdict.PASS
+    assert found.numbers["cells"] == plain.numbers["cells"] - 1

@@ -37,3 +37,21 @@ def test_a_simplex_contains_what_scipy_finds_in_it(d: int) -> None:
     assert 0 < inside.sum() < 200
     found = contain(np.broadcast_to(corners, (200, d + 1, d)), points)
     np.testing.assert_array_equal(found, inside)
+
+
+def test_the_box_may_lie_anywhere() -> None:
+    """Of faces of a box about zero, or below it, a facet that rounding moved is still one."""
+    rounded = np.array([[0.0, 1e-10], [1, 1e-10], [1, 1], [0, 1]])
+    for low in (-0.5, -3.0):
+        mesh = Complex.of(rounded + low, np.array([[0, 1, 2], [0, 2, 3]]))
+        assert len(inner_open_facets(mesh, [[low, low], [low + 1, low + 1]])) == 0
+
+
+def test_a_centroid_beside_a_facet_is_not_on_it() -> None:
+    """A small triangle with its centroid a little beyond the side of a large one: two facets."""
+    large = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
+    small = 0.1 * (large - large.mean(axis=0)) + [1.0, 0, 0]
+    rows = np.array([[0, 1, 2], [3, 4, 5]])
+    for beyond, on in ((0.0, True), (5e-8, False)):
+        places = np.concatenate([large, small - [0, beyond, 0]])
+        assert covered(places, rows).tolist() == [False, on]

@@ -1,5 +1,8 @@
 """Meetings of meshes and lattice faces, beside libigl's winding number and on the peers' meshes."""
 
+from fractions import Fraction
+from itertools import permutations
+
 import igl
 import mcubes
 import numpy as np
@@ -10,7 +13,10 @@ from isograde.declaration import Conventions, Declaration, End
 from isograde.oracles.degree import (
     Meetings,
     TooWideError,
+    _determinant_signs,
     _determinants,
+    _in_simplices,
+    _in_triangles,
     _whole_numbers,
     crossings,
     excused_samples,
@@ -243,3 +249,40 @@ def test_found_and_wanted_are_laid_side_by_side() -> None:
     assert met.wrong().tolist() == [True, False]
     assert met.wrong(signed=False).tolist() == [False, False]
     assert met.reversed.tolist() == [True, False]
+
+
+def test_triangles_turn_round_zero_as_simplices_do() -> None:
+    """All triangles on nine points about zero, with corners on both axes and in zero itself."""
+    points = np.stack(np.meshgrid([-1.0, 0, 1], [-1.0, 0, 1], indexing="ij"), axis=-1).reshape(9, 2)
+    rows = np.array(list(permutations(range(9), 3)))
+    by_triangles, by_simplices = (
+        _in_triangles(points[rows])[0],
+        _in_simplices(points[rows], rows)[0],
+    )
+    assert np.array_equal(by_triangles, by_simplices)
+    assert np.unique(by_triangles).tolist() == [-1, 0, 1]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_determinants_that_rounding_leaves_open_have_their_signs(turned: bool) -> None:
+    """One unit in the last place more on the diagonal, one less, and none."""
+    step = 2.0**-52
+    rows = np.array([[[1 + k * step, 1.0], [1.0, 1.0]] for k in (1, -1, 0)])
+    sign, _ = _determinant_signs(rows[:, ::-1] if turned else rows)
+    assert sign.tolist() == ([-1, 1, 0] if turned else [1, -1, 0])
+
+
+@pytest.mark.parametrize("past", [1, -1, 0])
+def test_a_chain_that_passes_zero_more_nearly_than_rounding_tells_is_asked_exactly(
+    past: int,
+) -> None:
+    """Rounded, one side goes by on the left of zero; exactly, on either side or through it."""
+    corners = [(1, -1), (-1, 1), (-1, -1)]
+    rounded = np.array([[*corners]], np.float64)
+    rounded[0, 1, 1] += 2.0**-52
+    exact = [[Fraction(a), Fraction(b)] for a, b in corners]
+    exact[1][1] += past * Fraction(1, 2**80)
+    assert winding(rounded).tolist() == [1]
+    # A side through zero is on neither side of it, and not counted.
+    assert winding(rounded, lambda row: exact).tolist() == [int(past > 0)]
+    assert winding(rounded[:, ::-1], lambda row: exact[::-1]).tolist() == [-int(past > 0)]

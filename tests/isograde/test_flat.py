@@ -6,6 +6,7 @@ face, a *collar*, that makes one polygon of the two again.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -435,3 +436,13 @@ def test_a_right_family_with_flat_triangles_is_not_accused(claim: str) -> None:
     mesh = Mesh.of(vertices, faces)
     assert len(level(mesh)) > 20
     assert verdict(claim, values, mesh) is Verdict.PASS
+
+
+def test_where_no_reading_is_right_the_one_with_more_legal_sides_is_kept() -> None:
+    """Given to the cell above, its triangle makes both traces legal, though not alike."""
+    legal, bits = np.tile([9, 6], (2, 6, 1)), 2
+    drawn_ = np.zeros((2, 6), np.int64)
+    drawn_[0, 1], drawn_[1, 0] = 9, 6 ^ bits
+    found = read(replace(lying(1), bits=np.array([bits])), drawn_, legal)
+    assert [mask.tolist() for mask in found.masks] == [[1]]
+    assert found.torn.tolist() == [True]

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from isograde.adapters.forms import arrays_from
 from isograde.claims import cells, geometry
-from isograde.declaration import Declaration, declaration_from
+from isograde.claims.geometry import _ends, _on_level_sets
+from isograde.declaration import Declaration, End, declaration_from
 from isograde.model import Case, Finding, Kind, Outcome, Request, Status, Trial, Verdict
+from isograde.oracles.lattice import Lattice
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Array, Field, Floats
 from isoref.methods import METHODS
@@ -306,3 +308,48 @@ def test_a_caps_vertex_that_is_rounded_into_the_plane_of_a_sample_is_none_out_of
     assert (
         judged("vertices", of(Field.of(values), moved, simplices, declared)).verdict is Verdict.FAIL
     )
+
+
+@pytest.mark.parametrize(
+    ("end", "at_end", "capped"),
+    [
+        (End(), [], []),
+        (End(1.0), [], []),
+        (End(0.5), [0.5, 4.5], []),
+        (End(-0.5), [-0.7, -0.5, -0.1, 5.1, 5.5, 5.7], []),
+        (End(0.0, "closed"), [], [-0.7, -0.5, -0.1, 0.0, 5.0, 5.1, 5.5, 5.7]),
+        (End(0.5, "closed"), [], [-0.7, -0.5, -0.1, 0.5, 4.5, 5.1, 5.5, 5.7]),
+        (End(-0.5, "closed"), [], [-0.7, -0.5, -0.1, 0.0, 5.0, 5.1, 5.5, 5.7]),
+        (End(0.0, "periodic"), [], []),
+        (End(-0.5, "periodic"), [-0.7, -0.5, -0.1, 6.5], []),
+    ],
+    ids=str,
+)
+def test_places_at_an_end_are_those_that_a_cut_or_a_cap_explains(
+    end: End, at_end: list[float], capped: list[float]
+) -> None:
+    """In its plane or, where the surface goes on there, beyond the samples; closed, it is a cap."""
+    lattice = Lattice.of(Field.of(np.zeros((6, 6))), (0.5,), Declaration("", domain=(end, End())))
+    along = np.array([-0.7, -0.5, -0.1, 0.0, 0.3, 0.5, 1.0, 4.0, 4.5, 4.7, 5.0, 5.1, 5.5, 5.7, 6.5])
+    along = along[along < (9 if end.end == "periodic" else 6)]
+    places = np.stack([along, np.full(len(along), 2.5)], axis=1)
+    found = _ends(lattice, places)
+    assert [along[one].tolist() for one in found] == [at_end, capped]
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_a_place_is_on_a_level_set_up_to_its_share_of_the_range(size: float) -> None:
+    """Of a linear function of any size: a little less than what `locate` rounds off, or more."""
+    field = Field.of(size * (np.indices((2, 2, 2)).sum(axis=0) - 1.25))
+    lattice = Lattice.of(field, (0.0,), Declaration("", interpolant="tetrahedra"))
+    corners = np.array([[[0, 0, 0], [0, 0, 1], [0, 1, 1], [1, 1, 1]]])
+    slack = 12 * lattice.tolerance
+    for off, right in (
+        (0.0, True),
+        (0.9 * slack, True),
+        (-0.9 * slack, True),
+        (1.1 * slack, False),
+    ):
+        share = 1.25 / 3 + off
+        weights = np.array([[1 - share, 0, 0, share]])
+        assert _on_level_sets(lattice, corners, weights).tolist() == [right]

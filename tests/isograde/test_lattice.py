@@ -150,3 +150,24 @@ def test_what_is_beside_a_tie_does_not_hang_on_the_last_digit() -> None:
     exact = np.array([[2.0, 1.5, 1.0], [3.0, 1.5, 1.0]])
     for shift in (-1e-14, 0.0, 1e-14):
         assert lattice.beside_tie(exact + shift).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("near", ["first", "last"])
+@pytest.mark.parametrize("size", [0.0, 1e-9, 1e-3])
+def test_a_crossing_behind_the_last_plane_ties_the_sample_it_is_near(
+    near: str, size: float
+) -> None:
+    """Along a periodic axis, between the last sample and the first: the nearer one or neither."""
+    values = np.array([-size, -1.0, -1.0, 1.0] if near == "first" else [-1.0, 1.0, 1.0, size])
+    periodic = Declaration("", domain=(End(0.0, "periodic"),))
+    lattice = Lattice.of(Field.of(np.repeat(values[:, None], 2, axis=1)), (0.0,), periodic)
+    tied = [size < 1e-6 and place == near for place in ("first", "", "", "last")]
+    assert lattice.tied.all(axis=1).tolist() == lattice.tied.any(axis=1).tolist() == tied
+
+
+def test_a_facet_is_at_the_border_up_to_its_slack() -> None:
+    """The tolerance itself is within it, and twice as much is not."""
+    lattice = Lattice.of(Field.of(np.zeros((3, 3))), (0.0,))
+    for far, expected in ((1.0, True), (2.0, False)):
+        places = np.array([[far * lattice.tolerance, 0.5]])
+        assert lattice.on_border(places, np.array([[0]])).tolist() == [expected]

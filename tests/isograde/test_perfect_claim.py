@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from isograde.cases import all_cases
 from isograde.claims import CLAIMS
+from isograde.claims.perfect import _judged
 from isograde.declaration import Declaration
 from isograde.model import Case, Finding, Request, Trial, Verdict
+from isograde.oracles.complexes import Complex
 from isograde.variants import pose
 from isoref.fast.vesta import extract
 from isoref.field import Array, Field, Floats, Integers
@@ -223,3 +225,13 @@ def test_a_narrow_tunnel_is_drawn_with_small_triangles_and_is_no_fault(narrow: i
         outcomes = {"plain": outcome, "level": outcome}
         trial = Trial(case, case.build(), Declaration("here"), outcomes)
         assert CLAIMS[CLAIM].judge(trial).verdict is verdict
+
+
+def test_the_first_triangle_without_area_is_named_by_its_middle() -> None:
+    """In index coordinates, with the number of such triangles."""
+    level = Trial(CASES["signs"], every_sign(), Declaration("here"), {})
+    places = np.array([[0.5, 1, 2], [1, 1.5, 3], [2, 1, 2.5], [1.25, 1.25, 2.25], [2.5, 4, 5]])
+    surface = Complex(places, np.array([[0, 1, 2], [0, 2, 3], [3, 0, 3]]))
+    found = _judged(level, surface)
+    assert (found.verdict, found.numbers["count"]) == (Verdict.FAIL, 1)
+    assert found.numbers["first"] == pytest.approx([1, 7 / 6, 13 / 6], abs=1e-5)

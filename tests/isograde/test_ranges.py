@@ -151,3 +151,15 @@ def test_the_report_says_in_a_sentence_how_far_the_answer_stays() -> None:
         "The answer stays the same for values from 2^-10 to 1e300 times as large and on offsets "
         "of up to 1e6 times their range."
     )
+
+
+def test_an_error_on_samples_of_1e300_is_an_error() -> None:
+    """And no fault of a mesh: the finding has the words that came with it."""
+
+    def refusing(values: Any, isovalue: float, spacing: Any) -> Any:
+        if np.abs(values).max() > 1e200:
+            raise OverflowError("too large for me")
+        return mistaken.correct(values, isovalue, spacing)
+
+    found = measured(refusing, "range.extremes")
+    assert (found.verdict, found.detail) == (Verdict.ERROR, "too large for me")

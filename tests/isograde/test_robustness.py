@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases import all_cases
+from isograde.claims.robustness import _apart_from
 from isograde.declaration import Conventions, Declaration, End, Scope
 from isograde.model import Verdict
+from isograde.oracles.complexes import Complex
 
 from tests.isograde.cheats import CHEATS
 from tests.isograde.families import cubes
@@ -144,3 +146,11 @@ def test_a_sample_that_is_no_number_changes_nothing_elsewhere() -> None:
     assert verdict_of(cubes) is Verdict.SKIP, "it refuses both"
     assert verdict_of(filled) is verdict_of(with_holes) is Verdict.PASS
     assert verdict_of(normalised) is verdict_of(nothing) is Verdict.FAIL
+
+
+def test_simplices_are_apart_from_a_sample_beyond_its_reach() -> None:
+    """Along every axis: what is exactly as far as that is still within it."""
+    points = np.array([[2.0, 1, 1], [1, 2, 0], [2.5, 1, 1], [1, 2.5, 1], [1, 1, -0.5], [1.5, 1, 1]])
+    mesh = Complex(points, np.array([[2, 3, 4], [2, 3, 0], [1, 3, 4], [2, 5, 4]]))
+    found = _apart_from(mesh, np.array([1, 1, 1]), 1.0)
+    assert found.simplices.tolist() == [[2, 3, 4]]

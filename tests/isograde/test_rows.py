@@ -83,3 +83,13 @@ def test_a_long_chain_in_any_order_is_one_component() -> None:
     count, name = components_of(len(order), np.stack([order[:-1], order[1:]]))
     assert count == 1
     assert not name.any()
+
+
+@pytest.mark.parametrize(
+    ("along_axes", "tolerance", "near"),
+    [(False, 5.0, True), (False, 4.99, False), (True, 4.0, True), (True, 3.99, False)],
+)
+def test_a_pair_at_the_tolerance_is_near(along_axes: bool, tolerance: float, near: bool) -> None:
+    """Three and four away: five in all, and four at most along an axis."""
+    pairs = near_pairs(np.array([[0.0, 0], [3, 4]]), tolerance, along_axes=along_axes)
+    assert pairs.shape[1] == near

@@ -164,3 +164,13 @@ def test_a_cap_need_not_solve_the_equations() -> None:
     for ends in ({"inset": -1, "end": "closed"}, "periodic"):
         assert not flat.families(declaration_from({"domain": ends}, "capped"))
     assert flat.families(declaration_from({"domain": {"inset": 1, "end": "open"}}, "cropped"))
+
+
+def test_a_finding_names_what_the_manifold_has() -> None:
+    """Its Euler characteristic, and its pieces."""
+    declared = declaration_from(SAYS, "tried")
+    asked = [CASES["sphere"]]
+    said = {claim: f for _, claim, f in grade(Here(broken(pierced), declared), asked, "simplices.")}
+    detail = said["simplices.euler"].detail
+    assert detail.startswith("Euler characteristic 1 in 1 pieces, where ")
+    assert detail.endswith(" has 2 in 1")

@@ -167,3 +167,28 @@ def test_the_phase_turns_once_around_a_line_along_the_axis(axis: int) -> None:
         assert np.array_equal(phase_winding(np.angle(psi), axis), expected)
         for other in (u, v):
             assert not phase_winding(np.angle(psi), other).any()
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("place", [(0.1, 0.2), (0.9, 0.2), (0.9, 0.8), (0.1, 0.8), (0.5, 0.4)])
+def test_a_line_anywhere_in_a_face_turns_the_phase(axis: int, place: tuple[float, float]) -> None:
+    """Beside each of the four corners, and in the middle: in no other face."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    index = np.indices((3, 3, 3))
+    found = phase_winding(np.angle(index[u] - place[0] + 1j * (index[v] - 1 - place[1])), axis)
+    faces = np.moveaxis(found, (axis, u, v), (0, 1, 2))
+    assert faces.tolist() == [[[0, 1], [0, 0]]] * 3
+
+
+def test_the_bend_is_the_largest_within_reach_and_no_farther() -> None:
+    """Of x ** 3 on the axis of z it is 6 reach; of a paraboloid it is the same everywhere."""
+
+    def cubic(x: Points, y: Points, z: Points) -> Points:
+        return np.asarray(x**3 + 0 * (y + z))
+
+    def paraboloid(x: Points, y: Points, z: Points) -> Points:
+        return np.asarray(x**2 + 2 * y**2 + z)
+
+    axis = np.linspace(0, 1, 90)[:, None] * [0, 0, 1.0]
+    known = KnownCurves("axis", cubic, paraboloid, 1.0, (axis,))
+    assert known.bend(0.25) == pytest.approx((1.5, 20**0.5), rel=1e-6)

@@ -101,19 +101,21 @@ def test_every_simplex_with_both_sides_is_listed_and_right(n: int) -> None:
     assert found.parts.sum() == len(mesh.simplices)
 
 
-def test_an_inner_vertex_takes_two_triangles_more() -> None:
-    """One triangle of the mesh cut in three at its middle: still the section, and so counted."""
-    values = np.full((2, 2, 2), -1.0)
-    values[0, 0, 0] = 1
-    field = Field.of(values)
+@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("high", [[0], [0, -1]], ids=["one", "two"])
+def test_an_inner_vertex_takes_n_parts_less_one_more(n: int, high: list[int]) -> None:
+    """One part of each simplex in turn cut at its middle: still the section, and so counted."""
+    values = np.full(2**n, -1.0)
+    values[high] = 1
+    field = Field.of(values.reshape((2,) * n))
     mesh = simplicial(field)
     lattice = Lattice.of(field, (0.0,), KUHN)
-    a, b, c = mesh.simplices[0]
     top = len(mesh.vertices)
-    more: Integers = np.array([[a, b, top], [b, c, top], [c, a, top]])
-    points = np.concatenate([mesh.vertices, mesh.vertices[[a, b, c]].mean(axis=0)[None]])
-    rows = np.concatenate([mesh.simplices[1:], more])
-    found = sections(lattice, points, rows, np.zeros(3, np.int64))
-    assert found.right.all()
-    assert found.inner.sum() == 1
-    assert np.array_equal(found.parts, found.wanted)
+    for part, row in enumerate(mesh.simplices):
+        more: Integers = np.array([[*np.delete(row, i), top] for i in range(n)])
+        points = np.concatenate([mesh.vertices, mesh.vertices[row].mean(axis=0)[None]])
+        rows = np.concatenate([np.delete(mesh.simplices, part, axis=0), more])
+        found = sections(lattice, points, rows, np.zeros(n, np.int64))
+        assert found.right.all()
+        assert found.inner.sum() == 1
+        assert np.array_equal(found.parts, found.wanted)

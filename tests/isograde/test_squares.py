@@ -71,3 +71,17 @@ def test_a_segment_across_two_squares_is_found() -> None:
     lattice = Lattice.of(Field.of(np.random.default_rng(0).normal(size=(4, 4))), (0.0,))
     places = np.array([[0.5, 0], [2.5, 0]])
     assert squares(lattice, places, np.array([[0, 1]])).spanning.tolist() == [0]
+
+
+def test_samples_and_ties_of_a_square_are_those_of_its_corners() -> None:
+    """In the order of `Squares.values`; one tied corner is enough, whichever it is."""
+    values = np.random.default_rng(4).uniform(1, 3, (6, 5))
+    values[::2, ::2] *= -1
+    values[3, 2] = 0.0
+    found = squares(
+        Lattice.of(Field.of(values), (0.0,)), np.empty((0, 2)), np.empty((0, 2), np.int64)
+    )
+    corners = [values[i : i + 2, j : j + 2].T.reshape(-1) for i, j in found.place.tolist()]
+    assert found.values.tolist() == np.array(corners).tolist()
+    assert found.tied.tolist() == [not corner.all() for corner in corners]
+    assert found.tied.sum() == 4

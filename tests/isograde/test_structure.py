@@ -98,3 +98,10 @@ def test_a_soup_repeats_vertices_and_is_asked_within_its_tolerance() -> None:
     twice = np.concatenate([soup, soup[:3]]), np.arange(9).reshape(-1, 3)
     assert verdict("no_duplicate", *twice) is Verdict.PASS
     assert verdict("no_duplicate", *twice, soup=0.0) is Verdict.FAIL
+
+
+def test_an_index_beyond_the_last_vertex_uses_none() -> None:
+    """That it is out of range is for another claim to say: here it is neither used nor an error."""
+    for rows in (FACES + 1, FACES + 10, FACES - 1):
+        assert verdict("all_used", POINTS, rows) is Verdict.FAIL
+    assert verdict("all_used", POINTS, [[0, 1, 2], [1, 2, 3], [0, 1, 4]]) is Verdict.PASS

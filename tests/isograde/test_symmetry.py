@@ -10,12 +10,13 @@ import isoref
 import numpy as np
 import pytest
 from isograde.cases import all_cases
-from isograde.claims.symmetry import own_symmetry
-from isograde.declaration import Declaration, Split, declaration_from
-from isograde.model import Case, Kind, Verdict
+from isograde.claims.symmetry import _clear, _turned, own_symmetry, same_shape
+from isograde.declaration import Declaration, End, Split, declaration_from
+from isograde.model import CONTOURS, SURFACES, Case, Kind, Outcome, Status, Trial, Verdict
 from isograde.oracles import overlay
 from isograde.oracles.complexes import Complex
 from isograde.runner import claims_for
+from isograde.variants import named, symmetry_of, variant
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
 
@@ -279,3 +280,79 @@ def test_normals_that_come_know_the_spacing() -> None:
     claim = "symmetry.normals_returned"
     assert list(said[Normals][claim]) == [Verdict.PASS]
     assert list(said[NormalsOfSamples][claim]) == [Verdict.FAIL]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_oracle_finds_an_edge_lost_whichever_end_is_named_first(turned: bool) -> None:
+    """Of three segments the last; those without extent are no edges."""
+    points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 1 + 1e-9]])[:: -1 if turned else 1]
+    rows = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+    whole, fewer = Complex(points, rows), Complex(points, np.delete(rows, 1, axis=0))
+    kept = np.ones(4, bool), np.ones(3, bool)
+    alone, other = overlay.unmatched_edges(whole, fewer, kept, 1e-6)
+    assert (alone.tolist(), other.tolist()) == ([[1, 2]], [])
+    other, alone = overlay.unmatched_edges(fewer, whole, kept[::-1], 1e-6)
+    assert (alone.tolist(), other.tolist()) == ([[1, 2]], [])
+
+
+def test_the_ends_of_the_domain_turn_with_the_axes_of_a_symmetry_alone() -> None:
+    """One for all axes needs no turning."""
+    declared = Declaration("", domain=(End(0.5), End(0.0, "closed"), End(1.0)))
+    for name in named(["symmetry/"], SURFACES):
+        order, _ = symmetry_of(name)
+        ends = _turned(declared, variant(name, SURFACES), 3).domain
+        assert ends == tuple(declared.domain[axis] for axis in order)
+    assert {"spacing", "offset/2^10"} < set(named(["spacing", "offset/"], SURFACES))
+    for name in named(["spacing", "offset/", "translate"], SURFACES):
+        assert _turned(declared, variant(name, SURFACES), 3) is declared
+    alike = Declaration("", domain=(End(0.5),))
+    assert _turned(alike, variant(named(["symmetry/"], SURFACES)[3], SURFACES), 3) is alike
+
+
+def bare(values: Any) -> Trial:
+    """A trial on these values at 0 that has no answer yet."""
+    field = Field.of(np.array(values, np.float64))
+    kind = Kind(field.dimension, 1)
+    case = Case("test", lambda: field, (0.0,), field.values.size, kind=kind)
+    nothing = Outcome(Status.OK, np.empty((0, kind.n)), np.empty((0, kind.n), np.int64))
+    return Trial(case, field, Declaration("test"), {"plain": nothing})
+
+
+@pytest.mark.parametrize(("high", "clear"), [(1.0, False), (1.0 + 1e-9, False), (1.1, True)])
+def test_what_hangs_on_rounding_at_a_saddle_is_not_compared(high: float, clear: bool) -> None:
+    """The simplices of a cell with such a face; the way such a square of the plane is joined."""
+    square = [[high, -1.0], [-1.0, 1.0]]
+    trial = bare([square, [[-1.0, -1.0], [-1.0, -1.0]]])
+    middle = Complex(
+        np.array([[0.2, 0.1, 0.1], [0.1, 0.2, 0.1], [0.1, 0.1, 0.2]]), np.array([[0, 1, 2]])
+    )
+    assert len(_clear(trial, middle, np.array([0]))) == clear
+    # In the plane, both corners cut off, and the other two.
+    contours = bare(square)
+    crossing = high / (1 + high)
+    places = np.array([[crossing, 0], [0, crossing], [0.5, 1], [1, 0.5]])
+    apart, joined = (
+        Complex(places, np.array([[0, 1], [2, 3]])),
+        Complex(places, np.array([[0, 3], [1, 2]])),
+    )
+    contours.memory["complex"] = apart
+    asked = variant("spacing", CONTOURS)
+    assert same_shape(contours, apart, asked) == ""
+    assert ("joined otherwise" in same_shape(contours, joined, asked)) == clear
+
+
+def test_normals_of_vertices_that_moved_are_not_compared() -> None:
+    """At another spacing all are elsewhere, and turned over: for "symmetry.spacing" to say."""
+    from tests.isograde.faults.histories import Normals
+
+    class Moved(Normals):
+        def __call__(self, values: Any, isovalue: float, spacing: Any) -> Any:
+            vertices, triangles, normals = super().__call__(values, isovalue, spacing)
+            if len(set(spacing)) == 1:
+                return vertices, triangles, normals
+            return vertices + 0.01, triangles, -normals
+
+    asked = [all_cases()["noise/white-5x6x7"]]
+    [found] = grade(Here(Moved(), Declaration("moved")), asked, "symmetry.normals")
+    assert found[2].verdict is Verdict.SKIP
+    assert "no vertex is where it was" in found[2].detail

@@ -9,6 +9,7 @@ import pytest
 from isograde.claims import topology
 from isograde.declaration import Conventions, Declaration, End, declaration_from
 from isograde.model import SURFACES, Case, Finding, Kind, Outcome, Status, Trial, Verdict
+from isograde.oracles.lattice import Lattice
 from isograde.report.headline import _fault
 from isoref.fast.simplicial import extract as simplicial
 from isoref.field import Field
@@ -385,3 +386,32 @@ def test_a_soup_is_judged_in_its_place_at_the_border(samples: list[float]) -> No
         for lost in range(len(soup))
     }
     assert Verdict.FAIL in verdicts
+
+
+@pytest.mark.parametrize("end", ["closed", "periodic"])
+def test_a_surface_that_goes_on_beyond_the_samples_is_not_judged_by_them(end: Any) -> None:
+    """Neither in a domain one sample thick, nor by a block of tied samples."""
+    declared = Declaration("", domain=(End(0.0, end), End(), End()))
+    thin = Field.of(np.random.default_rng(2).normal(size=(1, 4, 3)))
+    nothing = trial(thin, np.empty((0, 3)), np.empty((0, 3), np.int64), declared)
+    assert judged("sides", nothing).verdict is Verdict.SKIP
+    values = np.full((4, 4, 4), -1.0)
+    values[1:3, 1:3, 1:3] = 0
+    found = judged("tie_side", trial(*cubes(values), declared))
+    assert found.verdict is Verdict.SKIP
+    assert "goes on beyond" in found.detail
+
+
+def test_a_facet_is_in_the_seam_at_a_tie_where_it_lies_in_it_and_touches_one() -> None:
+    """In either plane of the seam; not across it, nor beside no tie."""
+    values = np.random.default_rng(0).choice([-1.0, 1.0], (5, 5, 5))
+    values[0, 1, 1] = 0.0
+    declared = Declaration("", domain=(End(0.0, "periodic"), End(), End()))
+    lattice = Lattice.of(Field.of(values), (0.0,), declared)
+    seam = np.array([[0.0, 1.5, 1.0], [0.0, 2.5, 1.0]])
+    away = np.array([[0.0, 3.5, 3.0], [0.0, 2.5, 3.0]])
+    across = np.array([[0.5, 1.5, 1.0], [0.0, 2.5, 1.0]])
+    behind, inside = (np.add(seam, [x, 0.0, 0.0]) for x in (5, 2))
+    facets = np.array([seam, seam[::-1], away, behind, across, inside])
+    found = topology._in_seam_at_tie(lattice, facets, 0)
+    assert found.tolist() == [True, True, False, True, False, False]

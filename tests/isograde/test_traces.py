@@ -3,9 +3,19 @@
 import mcubes
 import numpy as np
 import pytest
-from isograde.oracles.flat import WALL
+from isograde.oracles.flat import OUTSIDE, WALL
 from isograde.oracles.lattice import Lattice
-from isograde.oracles.traces import CORNERS, FACES, NODES, legal, polygons, segments_on, traces
+from isograde.oracles.traces import (
+    CORNERS,
+    FACES,
+    NODES,
+    _rows,
+    alike,
+    legal,
+    polygons,
+    segments_on,
+    traces,
+)
 from isoref.field import Field
 from skimage import measure
 
@@ -145,3 +155,35 @@ def test_vertices_inside_a_cell_are_counted_where_a_face_names_them() -> None:
     found = traces(lattice, places, np.array([[0, 1, 2]]))
     cells = {tuple(p.tolist()): int(n) for p, n in zip(found.place, found.extra, strict=True) if n}
     assert cells == {(1, 0, 1): 1}
+
+
+def test_faces_are_alike_where_they_can_be_read_alike_or_neither_can_be_read() -> None:
+    """Two corners of a face cut off, and one of them: legal in one answer only."""
+    values = np.array([[[1.0, -1], [-1, 1]], [[-1.0, -1], [-1, -1]]])
+    lattice = Lattice.of(Field.of(values), (0.0,))
+    corner = np.array([[0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5]])
+    places = np.concatenate([corner, [0, 1, 1] + corner * [1, -1, -1]])
+    rows = np.array([[0, 1, 2], [3, 4, 5]])
+    whole, lost = (traces(lattice, places, rows[:count]) for count in (2, 1))
+    assert whole.separated.all()
+    assert (~whole.joined).any(axis=0).tolist() == [True] + 5 * [False]
+    first = np.zeros(1, np.int64)
+    broken = [0, 3, 5]  # The faces that the lost triangle has a side on.
+    for one, other, unlike in (
+        (whole, whole, []),
+        (lost, lost, []),
+        (whole, lost, broken),
+        (lost, whole, broken),
+    ):
+        assert np.flatnonzero(~alike(one, other, first, first)[0]).tolist() == unlike
+
+
+def test_a_cell_is_listed_or_unlisted_or_beyond_the_border() -> None:
+    """Which tells where nothing is drawn from where there may be more of the surface."""
+    shape = np.array([2, 3, 2])
+    places = np.array(
+        [[0, 0, 0], [1, 2, 1], [0, 1, 1], [1, 0, 0], [-1, 0, 0], [0, 3, 1], [0, 0, 2]]
+    )
+    listed = np.array([0, 3, 11])
+    found = _rows(listed, places, shape)
+    assert found.tolist() == [0, 2, 1, -1, OUTSIDE, OUTSIDE, OUTSIDE]

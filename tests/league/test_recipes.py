@@ -2,6 +2,7 @@
 
 import shutil
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -88,9 +89,95 @@ def test_what_cannot_be_built_costs_its_own_row(
     """A program that is not there is named; the reason is kept where the page finds it."""
     monkeypatch.setattr(league, "BUILT", tmp_path)
     monkeypatch.setattr(league.shutil, "which", lambda name: None)
-    given = league.argparse.Namespace(names=[], again=False, build=True, redeclare=False, only=[])
-    assert not league._row(PACKAGES["octave"], given)
+    assert league.main(["octave", "--build"]) == 1
     assert "no octave-cli" in (tmp_path / "octave" / "failed.txt").read_text()
+
+
+def test_a_method_whose_process_dies_costs_its_own_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The others are graded, those first that took least before; the reason is kept."""
+    monkeypatch.setattr(league, "BUILT", tmp_path)
+    monkeypatch.setattr(league, "provide", lambda package: None)
+    took = {"gts": 5.0, "gts-tetra": 2.0, "gts-tetra-bcl": 9.0, "gts-tetra-bounded": 7.0}
+    monkeypatch.setattr(league, "seconds_before", took.__getitem__)
+    one_by_one = partial(league.ThreadPoolExecutor, 1)
+    monkeypatch.setattr(league, "ThreadPoolExecutor", lambda at_once: one_by_one())
+    tried = []
+
+    def apart(method: str, why: str, given: object) -> int:
+        tried.append(method)
+        return -9 * (method == "gts")
+
+    monkeypatch.setattr(league, "apart", apart)
+    monkeypatch.setattr(league, "stale", lambda path, declared: "a reason")
+    given = league.parser().parse_args(["gts", "--at-once", "2"])
+    assert league.run(list(league.rows([PACKAGES["gts"]], ())), given) == 1
+    assert tried == ["gts-tetra", "gts", "gts-tetra-bounded", "gts-tetra-bcl"]
+    told = (tmp_path / "gts" / "failed-gts.txt").read_text()
+    assert "ended with status -9" in told
+    assert len(list((tmp_path / "gts").glob("failed-*"))) == 1
+
+
+def test_a_report_of_another_plan_or_declaration_is_made_anew(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """So a run that was cut off goes on with those that are left."""
+    method = "fast-surface-nets"
+    said = PACKAGES["fast_surface_nets"].declaration(method)
+    path = league.REPORTS / f"{method}.jsonl.gz"
+    header = next(league.lines(path))
+    monkeypatch.setattr(league, "PLAN", header["plan"])
+    monkeypatch.setattr(league, "scans", frozenset)
+    assert not league.stale(path, said)
+    otherwise = {"tie": "outside", "nan": "raises"}
+    assert "conventions" in league.stale(path, {**said, "conventions": otherwise})
+    assert "version" in league.stale(path, {**said, "version": "9"})
+    monkeypatch.setattr(league, "scans", lambda: frozenset({"real/one-that-came"}))
+    assert "without 1 of the scans" in league.stale(path, said)
+    monkeypatch.setattr(league, "PLAN", header["plan"] + 1)
+    assert "of plan" in league.stale(path, said)
+    assert league.stale(tmp_path / "none.jsonl.gz", said) == "there is no report"
+
+
+def test_todays_recipe_is_laid_into_what_is_built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Another declaration does not install anything again; another version does."""
+    monkeypatch.setattr(league, "BUILT", tmp_path)
+    package = PACKAGES["vedo"]
+    built = []
+    monkeypatch.setattr(league, "build", lambda package: built.append(package.name))
+    league.provide(package)
+    assert built == ["vedo"]
+    league.lay(package)
+    (package.built / "ready").write_text(package.installs, encoding="utf-8")
+    said = deepcopy(package.said)
+    said["methods"]["vedo"]["declaration"] = {"conventions": {"nan": "raises"}}
+    league.provide(league.Package(package.folder, said))
+    assert "raises" in (package.built / "vedo.json").read_text(encoding="utf-8")
+    assert {path.name for path in package.built.iterdir()} >= {"adapter.py", "serve.py"}
+    assert built == ["vedo"]
+    league.provide(league.Package(package.folder, {**said, "version": "9"}))
+    assert built == ["vedo", "vedo"]
+
+
+def test_what_was_built_elsewhere_serves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A link, so that reports name no folder of a machine; never in the place of another."""
+    here, there = tmp_path / ".league", tmp_path / "there"
+    monkeypatch.setattr(league, "BUILT", here)
+    monkeypatch.setenv("ISOGRADE_LEAGUE", str(there))
+    assert league.main(["--list"]) == 2
+    assert "there is no such folder" in capsys.readouterr().err
+    there.mkdir()
+    league.linked()
+    assert here.resolve() == there
+    league.linked()
+    monkeypatch.setenv("ISOGRADE_LEAGUE", str(tmp_path))
+    with pytest.raises(league.LeagueError, match="remove one"):
+        league.linked()
 
 
 def test_what_was_graded_on_fewer_scans_stands_beside_no_other() -> None:
@@ -180,7 +267,8 @@ def test_a_package_is_built_from_its_registry_and_called_rightly(
     for what in ("ROOT", "READY_MADE", "README", "REPORTS"):
         place = tmp_path / {"ROOT": "", "README": "README.md"}.get(what, what.lower())
         monkeypatch.setattr(league, what, place)
-    assert league.main([method, "--only", "cells/outside/01*", "bodies/3-1/two-spheres-32*"]) == 0
+    part = ["--only", "cells/outside/01*", "bodies/3-1/two-spheres-32*"]
+    assert league.main([method, "--at-once", "1", *part]) == 0
     page = unpacked((tmp_path / "reports" / "index.html").read_text(encoding="utf-8"))
     assert f'href="./{method}.html"' in page
     assert "not graded yet" in page, "the others keep their rows"

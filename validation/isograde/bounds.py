@@ -40,6 +40,47 @@ def beyond(outcome: Outcome, samples: int) -> str:
     return ""
 
 
+class _Clock:
+    """The system's clock for this process; where it has none, and for other threads, never one.
+
+    limits : seconds of what is timed now, the innermost last
+    heard : who hears it ring is settled
+    """
+
+    def __init__(self) -> None:
+        self.limits: list[float] = []
+        self.heard = False
+
+    def there(self) -> bool:
+        """Whether it can ring here."""
+        main = threading.current_thread() is threading.main_thread()
+        return main and hasattr(signal, "SIGALRM")
+
+    def ring(self, number: int, frame: FrameType | None) -> None:
+        """Raise `GivenUp`, where something is timed."""
+        del number, frame
+        if self.limits:
+            raise GivenUp(f"given up: judging it took more than {self.limits[-1]:g} s")
+
+
+_CLOCK = _Clock()
+
+
+@contextmanager
+def hearing() -> Iterator[None]:
+    """Every `at_most` inside rings here; to settle that for each takes longer than many a claim."""
+    if _CLOCK.heard or not _CLOCK.there():
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, _CLOCK.ring)
+    _CLOCK.heard = True
+    try:
+        yield
+    finally:
+        _CLOCK.heard = False
+        signal.signal(signal.SIGALRM, before)
+
+
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
     """What is done inside raises `GivenUp` when it takes longer.
@@ -47,31 +88,23 @@ def at_most(seconds: float) -> Iterator[None]:
     Where the system has no such clock, and outside the main thread, it takes as long as it takes.
     One inside another ends with whichever is over first.
     """
-    if seconds == math.inf:
+    if seconds == math.inf or not _CLOCK.there():
         yield
         return
-    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "SIGALRM"):
-        yield
-        return
-
     left, _ = signal.getitimer(signal.ITIMER_REAL)
     if left and left <= seconds:
         yield  # The clock outside is over first.
         return
-
-    def ring(number: int, frame: FrameType | None) -> None:
-        del number, frame
-        raise GivenUp(f"given up: judging it took more than {seconds:g} s")
-
-    start = time.monotonic()
-    before = signal.signal(signal.SIGALRM, ring)
-    # Ring again and again: what is inside may have taken the first for its own.
-    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-        if left:
-            rest = max(1e-3, left - (time.monotonic() - start))
-            signal.setitimer(signal.ITIMER_REAL, rest, AGAIN)
+    with hearing():
+        start = time.monotonic()
+        _CLOCK.limits.append(seconds)
+        # Ring again and again: what is inside may have taken the first for its own.
+        signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            _CLOCK.limits.pop()
+            if left:
+                rest = max(1e-3, left - (time.monotonic() - start))
+                signal.setitimer(signal.ITIMER_REAL, rest, AGAIN)

@@ -184,25 +184,21 @@ def signs_of(inside: Booleans) -> Array:
 
 def rows_of(field: Field, isovalue: float, signs: Array, places: Integers) -> Integers:
     """(n,) index into `ROWS` of each cell, given by its signs and its lowest corner (n, 3)."""
-    separated = np.zeros(len(places), np.int64)
-    cells, values = [], []
-    for corners, bits in _faces():
-        a, b, c, d = (signs >> bit & 1 for bit in bits)
-        ambiguous = np.flatnonzero((a == d) & (b == c) & (a != b))
-        i, j, k = np.moveaxis(places[ambiguous, None, :] + corners, -1, 0)
-        cells.append(ambiguous)
-        values.append(field.values[i, j, k])
+    corners, bits = _faces()
+    a, b, c, d = np.moveaxis(signs.astype(np.uint8)[:, None, None] >> bits & 1, -1, 0)
+    cell, face = np.nonzero((a == d) & (b == c) & (a != b))
+    i, j, k = np.moveaxis(places[cell, None, :] + corners[face], -1, 0)
     # A saddle on the isovalue joins the inside corners, as a sample there is inside.
-    apart = saddle_sign(np.concatenate(values), isovalue)[0] < 0
-    np.add.at(separated, np.concatenate(cells)[apart], 1)
-    return rows_with(signs, separated)
+    apart = saddle_sign(field.values[i, j, k], isovalue)[0] < 0
+    return rows_with(signs, np.bincount(cell[apart], minlength=len(places)))
 
 
 @cache
-def _faces() -> list[tuple[Integers, list[int]]]:
-    """The corners 00, 10, 01, 11 of each face, as offsets and as bits of the signs."""
+def _faces() -> tuple[Integers, Array]:
+    """The corners 00, 10, 01, 11 of each face, (6, 4, 3) as offsets and (6, 4) as bits of signs."""
     faces = [face_corners(axis, side) for axis, side in product(range(3), (0, 1))]
-    return [(face, [CORNERS.index(tuple(c)) for c in face.tolist()]) for face in faces]
+    bits = [[CORNERS.index(tuple(c)) for c in face.tolist()] for face in faces]
+    return np.array(faces), np.array(bits, np.uint8)
 
 
 def rows_with(signs: Array, separated: Integers) -> Integers:

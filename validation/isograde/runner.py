@@ -43,7 +43,7 @@ from isoref.field import Field
 from isograde import bounds, variants
 from isograde.adapters import open_adapter
 from isograde.adapters.conventions import refusal
-from isograde.bounds import at_most, beyond
+from isograde.bounds import at_most, beyond, hearing
 from isograde.cases import all_cases, blocks, given, own
 from isograde.claims import CLAIMS
 from isograde.claims.evidence import is_general
@@ -309,8 +309,9 @@ class Worker:
         start, case, field = time.perf_counter(), trial.case, trial.field
         self._ask(trial, outcomes, ["plain"])
         findings = {}
-        for claim in sorted(claims, key=lambda claim: claim.needs_mesh):
-            findings[claim.id] = self._decide(claim, trial, outcomes)
+        with hearing():
+            for claim in sorted(claims, key=lambda claim: claim.needs_mesh):
+                findings[claim.id] = self._decide(claim, trial, outcomes)
         failed = any(finding.verdict in BAD for finding in findings.values())
         shown = failed and _can_be_shown(case, trial.plain)
         return Judged(

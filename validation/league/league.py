@@ -3,9 +3,16 @@
 ``make league``, or ``python validation/league/league.py NAME ..`` for some. A folder beside this
 file is a package: ``league.toml`` says how it is installed, which methods it has and what each says
 of itself; an adapter in the package's own language calls it as its users do. What is built goes
-into ``.league``, the reports into ``reports/league``. Who is built or graded already is left alone,
-so a run that was cut off goes on where it was; ``--again`` begins anew. A package that cannot be
-built or graded costs its own row, and the reason stands in ``.league/<folder>/failed.txt``.
+into ``.league``, the reports into ``reports/league``.
+
+Who is built already is not built again: where an adapter or a declaration changed, the new one is
+laid into what is there. ISOGRADE_LEAGUE names what was built in another copy of the project, and
+``.league`` is then a link to it. Who has a report that is of today (`stale` says when it is not) is
+left alone, so a run that was cut off goes on where it was; ``--anew`` grades whatever stands there,
+and ``--again`` builds anew before. Several methods are graded at a time, those first that were done
+soonest before, each in a process of its own. A package that cannot be built or graded costs its own
+row, and the reason stands in ``.league/<folder>/failed.txt``, or ``failed-<method>.txt`` where it
+is one method's.
 
 ``league.toml``
 ---------------
@@ -21,6 +28,7 @@ use            what the licence allows: permissive, copyleft or non-commercial
 from __future__ import annotations
 
 import argparse
+import gzip
 import json
 import os
 import shutil
@@ -28,15 +36,18 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from isograde import report as reports
 from isograde.adapters import ready_made_names
-from isograde.cases import PLAN
+from isograde.cases import PLAN, all_cases
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from, declaration_json
+from isograde.drafts import Busy
 from isograde.grading import grade as graded
 from isograde.model import SURFACES, AdapterError, Limits
 from isograde.progress import progress
@@ -63,6 +74,9 @@ MARKS = (
     "<!-- the league, written by validation/league/league.py --page -->",
     "<!-- the league ends -->",
 )
+
+# What a grade takes of which it is not known, in seconds.
+USUAL = 300.0
 
 USES = ("permissive", "copyleft", "non-commercial")
 
@@ -102,9 +116,25 @@ class Package:
         does = self.said["methods"][method].get("does", "")
         return {"name": method, "version": self.said["version"], "notes": does, **said}
 
-    def laid(self) -> None:
-        """What the package is built from stands where it is built."""
-        shutil.copytree(self.folder, self.built)
+    @property
+    def installs(self) -> str:
+        """What is installed of it, as one text."""
+        return json.dumps([self.said["version"], self.said["install"]], sort_keys=True)
+
+    @property
+    def is_built(self) -> bool:
+        """Whether what its recipe installs is there; its adapter may be an older one."""
+        ready = self.built / "ready"
+        return ready.exists() and ready.read_text(encoding="utf-8") == self.installs
+
+    def sources(self) -> dict[str, Path]:
+        """The files that it is built from, by the place where each lies in what is built."""
+        own = (path for path in self.folder.rglob("*.*") if "__pycache__" not in path.parts)
+        return {str(path.relative_to(self.folder)): path for path in own} | _beside(self.said)
+
+    def failed(self, method: str = "") -> Path:
+        """Where it is told why it could not be built, or one of its methods not be graded."""
+        return self.built / (f"failed-{method}.txt" if method else "failed.txt")
 
     def command(self, method: str) -> str:
         """What answers the grader, from the root of the repository."""
@@ -126,13 +156,47 @@ def packages(names: Sequence[str] = ()) -> list[Package]:
 # -- building --------------------------------------------------------------------------------------
 
 
+def linked() -> None:
+    """``.league`` is what ISOGRADE_LEAGUE names, where it names anything.
+
+    Reports name programs from the root of the repository, so that no path of a machine is in them.
+    Raises `LeagueError` where there is another ``.league``, or no such folder.
+    """
+    if not (elsewhere := os.environ.get("ISOGRADE_LEAGUE")):
+        return
+    if not Path(elsewhere).is_dir():
+        raise LeagueError(f"ISOGRADE_LEAGUE={elsewhere}: there is no such folder")
+    if not BUILT.exists() and not BUILT.is_symlink():
+        BUILT.symlink_to(Path(elsewhere).resolve())
+    if BUILT.resolve() != Path(elsewhere).resolve():
+        raise LeagueError(f"ISOGRADE_LEAGUE={elsewhere}, but {BUILT} is another: remove one")
+
+
 def build(package: Package) -> None:
     """The package is installed, with a program ``run METHOD`` beside it that answers the grader.
 
     Raises `LeagueError` with what the installer said.
     """
+    how = _way(package.said)
     shutil.rmtree(package.built, ignore_errors=True)
-    package.laid()
+    lay(package)
+    program = INSTALLERS[how](package, package.said["install"][how])
+    script = package.built / "run"
+    # The kits answer on descriptor 3; what the package prints is for people.
+    compiled = how == "cargo" or "make" in package.said["install"]
+    given = '"$1.declaration.json" "$(cat "$1.function")"' if compiled else '"$1.json"'
+    answers = "3>&1 1>&2" if compiled or how == "npm" else ""
+    script.write_text(
+        f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} {given} {answers}\n',
+        encoding="utf-8",
+    )
+    script.chmod(0o755)
+    (package.built / "ready").write_text(package.installs, encoding="utf-8")
+
+
+def lay(package: Package) -> bool:
+    """What the package is built from stands where it is built; whether any of it was not there."""
+    files = {name: path.read_bytes() for name, path in package.sources().items()}
     for method in package.methods:
         said = package.said["methods"][method]
         told = {
@@ -140,32 +204,46 @@ def build(package: Package) -> None:
             "options": said.get("options", {}),
             "declaration": package.declaration(method),
         }
-        (package.built / f"{method}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+        files[f"{method}.json"] = json.dumps(told, indent=1).encode()
         # The kit for Rust sends a declaration on as it is written, so on one line.
-        said_alone = json.dumps(told["declaration"])
-        (package.built / f"{method}.declaration.json").write_text(said_alone, encoding="utf-8")
-        (package.built / f"{method}.function").write_text(told["function"], encoding="utf-8")
-    install = package.said["install"]
-    how = next((way for way in INSTALLERS if way in install), None)
-    if how is None:
-        raise LeagueError(f"{package.name}: [install] has none of {', '.join(INSTALLERS)}")
-    program = INSTALLERS[how](package, install[how])
-    script = package.built / "run"
-    # The kits answer on descriptor 3; what the package prints is for people.
-    compiled = how == "cargo" or "make" in install
-    given = '"$1.declaration.json" "$(cat "$1.function")"' if compiled else '"$1.json"'
-    kept = "3>&1 1>&2" if compiled or how == "npm" else ""
-    script.write_text(
-        f'#!/bin/sh\ncd "$(dirname "$0")" || exit\nexec {program} {given} {kept}\n',
-        encoding="utf-8",
-    )
-    script.chmod(0o755)
-    (package.built / "ready").touch()
+        files[f"{method}.declaration.json"] = json.dumps(told["declaration"]).encode()
+        files[f"{method}.function"] = told["function"].encode()
+    changed = False
+    for name, content in files.items():
+        place = package.built / name
+        if not place.exists() or place.read_bytes() != content:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_bytes(content)
+            changed = True
+    return changed
+
+
+def provide(package: Package) -> None:
+    """The package is built from what its folder says today; what it installs is installed once.
+
+    Raises `LeagueError` as `build` does.
+    """
+    if not package.is_built:
+        print(f"{package.name}: building", flush=True)
+        build(package)
+    elif lay(package):
+        print(f"{package.name}: what is built is given today's recipe", flush=True)
+        if "cargo" in package.said["install"]:
+            _told(CARGO, package.built)
+        elif "make" in package.said["install"]:
+            _told(["sh", "-c", package.said["install"]["make"]], package.built)
+
+
+def _way(said: Mapping[str, Any]) -> str:
+    """The way a package is installed; raises `LeagueError` where its recipe names none."""
+    way = next((way for way in INSTALLERS if way in said["install"]), None)
+    if way is None:
+        raise LeagueError(f"{said['package']}: [install] has none of {', '.join(INSTALLERS)}")
+    return way
 
 
 def _pip(package: Package, wanted: list[str]) -> str:
     """The service in an environment of its own."""
-    shutil.copy(SERVICES / "serve.py", package.built)
     _told([sys.executable, "-m", "venv", str(package.built / "env")])
     pip = [str(package.built / "env/bin/pip"), "install", "--quiet", "--disable-pip-version-check"]
     # What is imported is compiled then; the rest of a large package need not be.
@@ -175,24 +253,23 @@ def _pip(package: Package, wanted: list[str]) -> str:
 
 def _npm(package: Package, wanted: list[str]) -> str:
     """The service beside its own ``node_modules``."""
-    shutil.copy(SERVICES / "serve.mjs", package.built)
-    shutil.copy(KITS / "javascript" / "isograde.mjs", package.built)
     (package.built / "package.json").write_text('{"private": true}\n', encoding="utf-8")
     _told(["npm", "install", "--no-audit", "--no-fund", *wanted], package.built)
     return "node serve.mjs"
 
 
+CARGO = ["cargo", "build", "--quiet", "--release"]
+
+
 def _cargo(package: Package, wanted: list[str]) -> str:
     """A program built from the adapter, the kit for Rust and the crates."""
-    for source in (KITS / "rust" / "src" / "isograde.rs", SERVICES / "league.rs"):
-        shutil.copy(source, package.built / "src")
     (package.built / "Cargo.toml").write_text(
         '[package]\nname = "row"\nversion = "1.0.0"\nedition = "2021"\n\n[workspace]\n',
         encoding="utf-8",
     )
     for crate in wanted:
         _told(["cargo", "add", "--quiet", crate], package.built)
-    _told(["cargo", "build", "--quiet", "--release"], package.built)
+    _told(CARGO, package.built)
     return "target/release/row"
 
 
@@ -202,16 +279,34 @@ def _debian(package: Package, wanted: list[str]) -> str:
     for program in install["needs"]:
         if shutil.which(program) is None:
             raise LeagueError(f"no {program}: apt-get install {' '.join(wanted)}")
-    for service in install.get("services", []):
-        shutil.copy(SERVICES / service, package.built)
     if "make" in install:
-        for header in (KITS / "c").glob("*.h"):
-            shutil.copy(header, package.built)
         _told(["sh", "-c", install["make"]], package.built)
     return str(install["program"])
 
 
 INSTALLERS = {"pip": _pip, "npm": _npm, "cargo": _cargo, "debian": _debian}
+# What is laid beside an adapter: the service in its language, and the kit that it is written with.
+BESIDE = {
+    "pip": {"serve.py": SERVICES / "serve.py"},
+    "npm": {
+        "serve.mjs": SERVICES / "serve.mjs",
+        "isograde.mjs": KITS / "javascript" / "isograde.mjs",
+    },
+    "cargo": {
+        "src/isograde.rs": KITS / "rust" / "src" / "isograde.rs",
+        "src/league.rs": SERVICES / "league.rs",
+    },
+}
+
+
+def _beside(said: Mapping[str, Any]) -> dict[str, Path]:
+    """The same, of a recipe; what Debian packages names its service, and may be written in C."""
+    install = said["install"]
+    found = dict(BESIDE.get(_way(said), {}))
+    found |= {name: SERVICES / name for name in install.get("services", [])}
+    if "make" in install:
+        found |= {path.name: path for path in (KITS / "c").glob("*.h")}
+    return found
 
 
 def _told(command: list[str], folder: Path = ROOT) -> None:
@@ -229,20 +324,76 @@ def _told(command: list[str], folder: Path = ROOT) -> None:
 # -- grading ---------------------------------------------------------------------------------------
 
 
-def grade(package: Package, method: str, only: Sequence[str] = ()) -> None:
+def grade(package: Package, method: str, only: Sequence[str] = (), jobs: int = 1) -> None:
     """The method's report and pages stand in ``reports/league``.
 
     Raises `LeagueError` where the program does not start, or nothing of the plan is for it.
     """
-    options = Options(0, False, tuple(only), Limits(), processors())
-    path = REPORTS / f"{method}.jsonl.gz"
+    options = Options(0, False, tuple(only), Limits(), jobs)
+    path = kept(method)
     try:
-        with progress(method) as watch:
+        with progress(method, by_lines=True) as watch:
             found = graded(f"exec:{package.command(method)}", options, path, watch=watch)
-    except (AdapterError, NothingToRun) as error:
+    except (AdapterError, Busy, NothingToRun) as error:
         raise LeagueError(f"{method}: {error}") from error
     reports.write(found, REPORTS, method, ["html"], pack=True)
     print(headline(found), flush=True)
+
+
+def kept(method: str) -> Path:
+    """Where a method's report stands."""
+    return REPORTS / f"{method}.jsonl.gz"
+
+
+def stale(path: Path, declared: Mapping[str, Any]) -> str:
+    """Why a method that declares this is graded although it may have a report, or nothing.
+
+    Its report is of another plan, declaration or version, or without scans that are here.
+    """
+    if not path.exists():
+        return "there is no report"
+    header = next(lines(path))
+    if (plan := header.get("plan", 1)) != PLAN:
+        return f"its report is of plan {plan}, and this is plan {PLAN}"
+    said = declaration_json(declaration_from(dict(declared), declared["name"]))
+    before = declaration_json(declaration_from(header["declaration"], declared["name"]))
+    if other := [word for word in said if said[word] != before[word]]:
+        return f"it declares otherwise since: {', '.join(other)}"
+    if header["only"] or header["seed"]:
+        return "its report is of a part of the plan, or of other numbers"
+    cases = {one["id"] for one in lines(path) if one["record"] == "case"}
+    if list(SURFACES) in header["kinds"] and (missing := scans() - cases):
+        return f"its report is without {len(missing)} of the scans that are here"
+    return ""
+
+
+@cache
+def scans() -> frozenset[str]:
+    """The cases of real scans, of those that are on this machine."""
+    return frozenset(
+        name
+        for name, case in all_cases().items()
+        if "real" in case.tags and "full" not in case.tags
+    )
+
+
+def seconds_before(method: str) -> float:
+    """What the last grade of a method took; that of most where there is none."""
+    try:
+        with gzip.open(kept(method), "rt", encoding="utf-8") as file:
+            *_, footer = file
+        return float(json.loads(footer)["seconds"])
+    except (OSError, ValueError, KeyError):
+        return USUAL
+
+
+def apart(method: str, why: str, given: argparse.Namespace) -> int:
+    """The status with which a process of its own ends that grades the method, and says why."""
+    asked = [sys.executable, str(HERE / "league.py"), method, "--anew", "--no-page"]
+    asked += ["--because", why, "--at-once", "1", "--jobs", str(given.jobs)]
+    if given.only:
+        asked += ["--only", *given.only]
+    return subprocess.run(asked, check=False).returncode
 
 
 def redeclare(package: Package, method: str) -> None:
@@ -252,7 +403,7 @@ def redeclare(package: Package, method: str) -> None:
     `LeagueError` where there is no report, or more of what is declared than ``not_promised``
     changed.
     """
-    path = REPORTS / f"{method}.jsonl.gz"
+    path = kept(method)
     if not path.exists():
         raise LeagueError(f"{method}: not graded yet, so nothing is held against it")
     found = read(path)
@@ -265,8 +416,8 @@ def redeclare(package: Package, method: str) -> None:
     assert found.footer is not None
     head = {**found.header, "declaration": said}
     claims = [claim_record(CLAIMS[name], declared) for name in found.claims]
-    kept = [one for one in found.records if one["record"] not in ("header", "claim", "footer")]
-    records = [head, *claims, *kept]
+    rest = [one for one in found.records if one["record"] not in ("header", "claim", "footer")]
+    records = [head, *claims, *rest]
     seconds = found.footer["seconds"]
     footer = tally_of(found).footer(seconds, gather(records))
     write_lines([*records, footer], path)
@@ -321,11 +472,13 @@ def page(*, plain: bool = False) -> Path:
     absent |= fewer_scans(found)
     found = [one for one in found if one.name not in absent]
     for package in packages():
-        reason = package.built / "failed.txt"
         for method in package.methods:
-            if method not in links:
-                said = reason.read_text(encoding="utf-8").strip() if reason.exists() else ""
-                absent[method] = said.splitlines()[0] if said else "not graded yet"
+            reasons = [package.failed(), package.failed(method)]
+            told = [one.read_text(encoding="utf-8").strip() for one in reasons if one.exists()]
+            if told and (method not in links):
+                absent[method] = told[0].splitlines()[0]
+            elif method not in links:
+                absent.setdefault(method, "not graded yet")
     known = about()
     best = twelve_lines(found, known)
     reports.write_whole(REPORTS / "league.md", best)
@@ -363,8 +516,8 @@ def costs() -> dict[str, Measured]:
     """What ``speed.py`` has measured, by method."""
     if not SPEED.exists():
         return {}
-    kept = json.loads(SPEED.read_text(encoding="utf-8"))
-    found = {name: measured(said, name, kept["peer"]) for name, said in kept["methods"].items()}
+    speeds = json.loads(SPEED.read_text(encoding="utf-8"))
+    found = {n: measured(said, n, speeds["peer"]) for n, said in speeds["methods"].items()}
     return {name: one for name, one in found.items() if one is not None}
 
 
@@ -386,60 +539,136 @@ def rows(chosen: Sequence[Package], names: Sequence[str]) -> Iterator[tuple[Pack
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 where every row asked for is built and graded, 1 where one is not, 2 for an unknown one."""
-    parser = argparse.ArgumentParser(description="Build and grade the league's packages.")
-    parser.add_argument("names", nargs="*", help="packages or methods; all unless said")
-    parser.add_argument("--build", action="store_true", help="build only")
-    parser.add_argument("--again", action="store_true", help="build and grade anew")
-    parser.add_argument("--page", action="store_true", help="write the page of what is there")
-    parser.add_argument(
-        "--redeclare",
-        action="store_true",
-        help="hold against a graded method what its recipe promises now: not_promised alone",
-    )
-    parser.add_argument("--plain", action="store_true", help="do not pack that page")
-    parser.add_argument("--list", action="store_true", help="name the methods, and do nothing")
-    parser.add_argument("--only", nargs="*", default=[], help="globs of claims or cases")
-    given = parser.parse_args(arguments)
+    """0 where every row asked for is built and graded, 1 where one is not, 2 for wrong use."""
+    given = parser().parse_args(arguments)
     try:
+        linked()
         chosen = packages(given.names)
     except LeagueError as error:
         print(error, file=sys.stderr)
         return 2
+    asked = list(rows(chosen, given.names))
     if given.list:
-        for package, method in rows(chosen, given.names):
+        for package, method in asked:
             said = package.said
-            print(f"{method}: {said['package']} {said['version']}, {said['language']}")
+            why = stale(kept(method), package.declaration(method))
+            told = f"to be graded: {why}" if why else "graded"
+            print(f"{method}: {said['package']} {said['version']}, {said['language']}; {told}")
         return 0
-    failed = 0
-    for package in chosen if not given.page else ():
-        failed += not _row(package, given)
-    if not given.build:
+    # A program that waits for its own threads shall not take the processor from the others.
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    failed = 0 if given.page else run(asked, given)
+    if not given.build and not given.no_page:
         print(page(plain=given.plain))
     return int(failed > 0)
 
 
-def _row(package: Package, given: argparse.Namespace) -> bool:
-    """Whether a package was built and the methods asked for were graded; says what it does."""
+def parser() -> argparse.ArgumentParser:
+    """What the program can be told."""
+    told = argparse.ArgumentParser(
+        description="Build and grade the league's packages, and write the page to choose by. "
+        "What is built, and what has a report of today, is left alone: --list says which that is.",
+        epilog="ISOGRADE_LEAGUE: a folder of packages that are built already. "
+        "ISOGRADE_DATA: the folder of real scans.",
+    )
+    told.add_argument("names", nargs="*", help="packages or methods; all unless said")
+    told.add_argument("--list", action="store_true", help="name the methods, and do nothing")
+    told.add_argument("--build", action="store_true", help="build only")
+    told.add_argument("--anew", action="store_true", help="grade also what has a report of today")
+    told.add_argument("--because", default="asked for", help=argparse.SUPPRESS)
+    told.add_argument("--again", action="store_true", help="the same, and build anew before")
+    told.add_argument("--page", action="store_true", help="write the page of what is there")
+    told.add_argument("--no-page", action="store_true", help="grade, and do not write the page")
+    told.add_argument("--plain", action="store_true", help="do not pack that page")
+    told.add_argument(
+        "--redeclare",
+        action="store_true",
+        help="hold against a graded method what its recipe promises now: not_promised alone",
+    )
+    told.add_argument("--only", nargs="*", default=[], help="globs of claims or cases")
+    told.add_argument(
+        "--at-once", type=_many, default=processors(), metavar="N",
+        help="methods that are graded at a time; as many as processors unless said",
+    )  # fmt: skip
+    told.add_argument(
+        "--jobs", type=_many, default=1, metavar="N", help="processes for each; 1 unless said"
+    )
+    return told
+
+
+def _many(text: str) -> int:
+    """A number of at least one."""
+    if (number := int(text)) < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return number
+
+
+def run(asked: Sequence[tuple[Package, str]], given: argparse.Namespace) -> int:
+    """Everything asked for is built and graded, several at a time; how many rows are broken."""
+    chosen = {package.name: package for package, _ in asked}
+    with ThreadPoolExecutor(given.at_once) as pool:
+        ready = pool.map(lambda package: _built(package, given), chosen.values())
+        built = {name for name, is_built in zip(chosen, ready, strict=True) if is_built}
+        left = [row for row in asked if row[0].name in built]
+        failed = len(asked) - len(left)
+        if given.build:
+            return failed
+        # Whatever ends a run early, most rows are done by then.
+        left.sort(key=lambda row: seconds_before(row[1]))
+        return failed + sum(
+            not done for done in pool.map(lambda row: _done(row[0], row[1], given), left)
+        )
+
+
+def _built(package: Package, given: argparse.Namespace) -> bool:
+    """Whether a package is built; where it is not, the reason is kept and printed."""
+    reason = package.failed()
     try:
-        ready = given.redeclare or (package.built / "ready").exists()
-        if given.again or not ready:
+        if given.again:
             print(f"{package.name}: building", flush=True)
             build(package)
-        if given.build:
-            return True
-        for _, method in rows([package], given.names):
-            if given.redeclare:
-                redeclare(package, method)
-            elif given.again or not (REPORTS / f"{method}.jsonl.gz").exists():
-                print(f"{method}: grading", flush=True)
-                grade(package, method, given.only)
+        elif not given.redeclare:
+            provide(package)
     except LeagueError as error:
-        print(f"{package.name}: {error}", file=sys.stderr, flush=True)
-        package.built.mkdir(parents=True, exist_ok=True)
-        (package.built / "failed.txt").write_text(f"{error}\n", encoding="utf-8")
+        _keep(reason, f"{package.name}: {error}")
+        return False
+    reason.unlink(missing_ok=True)
+    return True
+
+
+def _done(package: Package, method: str, given: argparse.Namespace) -> bool:
+    """Whether a method has its report; where it has not, the reason is kept and printed."""
+    reason = package.failed(method)
+    if given.redeclare:
+        why = "what it promises"
+    elif given.anew or given.again:
+        why = given.because
+    else:
+        why = stale(kept(method), package.declaration(method))
+    if not why:
+        return True
+    reason.unlink(missing_ok=True)
+    try:
+        if given.redeclare:
+            redeclare(package, method)
+        elif given.at_once == 1:
+            print(f"{method}: grading ({why})", flush=True)
+            grade(package, method, given.only, given.jobs)
+        elif ended := apart(method, why, given):
+            if not reason.exists():
+                _keep(reason, f"{method}: the process that graded it ended with status {ended}")
+            return False
+    except LeagueError as error:
+        _keep(reason, str(error))
         return False
     return True
+
+
+def _keep(place: Path, reason: str) -> None:
+    """The reason is printed, and stands where the page finds it."""
+    print(reason, file=sys.stderr, flush=True)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text(f"{reason}\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

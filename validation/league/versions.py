@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
 import sys
 import tomllib
 from collections.abc import Iterator, Sequence
@@ -39,10 +38,9 @@ PART = tuple(f"{family}/*" for family in FAMILIES)
 class Version(league.Package):
     """One version of a library whose methods have ready-made names."""
 
-    def laid(self) -> None:
+    def sources(self) -> dict[str, Path]:
         """The functions of the ready-made names are the adapter."""
-        self.built.mkdir(parents=True)
-        shutil.copy(self.said["functions"], self.built / "adapter.py")
+        return {"adapter.py": Path(self.said["functions"]), **league.BESIDE["pip"]}
 
     @property
     def name(self) -> str:

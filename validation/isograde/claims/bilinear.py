@@ -12,6 +12,7 @@ from isograde.claims.cells import ambiguous_of, follows_values, with_faces
 from isograde.claims.evidence import domain_of, failed, on_mesh, passed, skipped
 from isograde.model import CONTOURS, Claim, Finding, Trial
 from isograde.oracles.bilinear import saddle_sign
+from isograde.oracles.rows import distinct
 
 
 def bilinear(trial: Trial) -> Finding:
@@ -22,10 +23,9 @@ def bilinear(trial: Trial) -> Finding:
     sign, _ = saddle_sign(faces.values, trial.isovalues[0])
     wrong = np.where(sign > 0, ~faces.joined, np.where(sign < 0, ~faces.separated, False))
     judged, bad = sign != 0, np.flatnonzero(wrong)
-    cells = len(np.unique(faces.place[judged], axis=0))
     counts = {
-        "cells": cells,
-        "wrong": len(np.unique(faces.place[bad], axis=0)),
+        "cells": len(distinct(faces.place[judged])[0]),
+        "wrong": len(distinct(faces.place[bad])[0]),
         "faces": int(judged.sum()),
         "wrong_faces": len(bad),
         "joined": int(faces.joined.sum()),

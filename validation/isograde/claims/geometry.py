@@ -57,6 +57,8 @@ def whole_of(trial: Trial) -> Lattice:
     def compute() -> Lattice:
         lattice = lattice_of(trial)
         ends = tuple(replace(end, inset=min(end.inset, 0.0)) for end in lattice.ends)
+        if ends == lattice.ends:
+            return lattice.within[0]
         declared = replace(lattice.declared, domain=ends)
         return replace(lattice, declared=declared).within[0]
 
@@ -83,7 +85,8 @@ def vertices(trial: Trial) -> Finding:
     allowed = _allowed(trial, places)
     # Ask what explains a place that is not allowed, of those alone.
     rest = np.flatnonzero(~allowed)
-    allowed[rest] = _in_end(trial, places[rest])
+    if len(rest):
+        allowed[rest] = _in_end(trial, places[rest])
     bad = np.flatnonzero(beyond | ~allowed)
     bad = bad[~whole_of(trial).beside_tie(places[bad])]
     if not len(bad):

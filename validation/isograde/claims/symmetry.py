@@ -31,10 +31,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import combinations, product
+from math import prod
 
 import numpy as np
-from isoref.field import Booleans, Floats, Integers
+from isoref.field import Booleans, Field, Floats, Integers
 from isoref.mesh import Mesh
 
 from isograde import variants
@@ -131,10 +133,8 @@ def brought_back(trial: Trial, variant: variants.Variant, mesh: Mesh) -> Complex
     """The variant's answer in the plain field's index coordinates, turned over if it reflects."""
     posed = variant.pose(trial.field, trial.isovalues)
     assert posed is not None, "a variant that was asked was posed"
-    field, isovalues = posed
-    # Only the frame of coordinates is wanted of this lattice, so any sides of its shape will do.
-    nothing = np.broadcast_to(np.False_, (1, *field.shape))
-    frame = Lattice(field, isovalues, nothing, _turned(trial.declaration, variant, field.dimension))
+    field, _ = posed
+    frame = _frame(trial, field, _turned(trial.declaration, variant, field.dimension))
     rows = mesh.simplices
     if variant.reflects and rows.shape[1] > 1:
         rows = rows[:, [*range(rows.shape[1] - 2), -1, -2]]
@@ -143,6 +143,15 @@ def brought_back(trial: Trial, variant: variants.Variant, mesh: Mesh) -> Complex
     if field.shape == trial.field.shape or variant.name.startswith("symmetry/"):
         places, rows = _within_a_period(whole, places, rows)
     return placed(trial, Mesh(whole.field.position(places), rows))
+
+
+def _frame(trial: Trial, field: Field, declared: Declaration) -> Lattice:
+    """The frame of index coordinates of a field, which is that of many variants of the trial's."""
+    # Only the frame is wanted of this lattice, so any sides of its shape will do.
+    nothing = np.broadcast_to(np.False_, (1, *field.shape))
+    placed_so = (field.shape, field.spacing, field.origin, field.directions, declared.domain)
+    compute = partial(Lattice, field, trial.isovalues, nothing, declared)
+    return remembered(trial, f"frame {placed_so}", compute)
 
 
 def _within_a_period(lattice: Lattice, places: Floats, rows: Integers) -> tuple[Floats, Integers]:
@@ -293,7 +302,9 @@ def _same_traces(trial: Trial, other: Complex) -> str:
     if told := _moved(lattice, own, _on_edges(lattice, other)):
         return told
     # Go on inside the cells whose faces are all judged, and bear no flat triangle.
-    settled = (judged.all(axis=1) & ~_under_flat(ours))[row] & ~_under_flat(theirs)[other_row]
+    settled = remembered(trial, "settled", lambda: judged.all(axis=1) & ~_under_flat(ours))[row]
+    if len(theirs.lying):
+        settled = settled & ~_under_flat(theirs)[other_row]
     sides = (ours, row[settled]), (theirs, other_row[settled])
     if told := _hanging_otherwise(*sides):
         return told
@@ -347,7 +358,7 @@ def _turned_over(
 
 def _areas(lattice: Lattice, mesh: Complex) -> Floats:
     """(N, 3) the sum of the areas, as vectors, of the triangles of each cell."""
-    size = int(np.prod(lattice.shape))
+    size = prod(lattice.shape)
     cell = _cells(lattice, mesh.points[mesh.simplices].mean(axis=1))
     return np.stack([np.bincount(cell, part, size) for part in (mesh.normals / 2).T], axis=1)
 
@@ -376,6 +387,9 @@ def _same_squares(trial: Trial, other: Complex) -> str:
 
 def _matched(ours: Traces, theirs: Traces) -> tuple[Integers, Integers, int]:
     """The rows of the cells that both have, and how many untied cells only one has."""
+    if np.array_equal(ours.cell, theirs.cell):
+        every = np.arange(len(ours.cell))
+        return every, every, 0
     _, row, other = np.intersect1d(ours.cell, theirs.cell, assume_unique=True, return_indices=True)
     lost = int((~ours.tied).sum() - (~ours.tied[row]).sum())
     lost += int((~theirs.tied).sum() - (~theirs.tied[other]).sum())

@@ -76,7 +76,7 @@ def trilinear(trial: Trial) -> Finding:
 def _near_a_corner(tied: Booleans, index: Integers) -> Booleans:
     """(n,) cells with a corner on the surface to within the tolerance."""
     near = np.zeros(len(index), bool)
-    for offset in np.ndindex(2, 2, 2):
+    for offset in np.ndindex(2, 2, 2) if tied.any() else ():
         near |= tied[tuple((index + np.array(offset)).T)]
     return near
 

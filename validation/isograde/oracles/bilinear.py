@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from isoref.field import Array, Booleans, Floats, Integers
@@ -184,8 +185,7 @@ def faces_of(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Arra
     values : (m, 4) samples at the face's corners 00, 10, 01, 11
     """
     row, face = np.nonzero(traces.ambiguous)
-    corners = np.array([_corners(*f) for f in FACES])[face]
-    i, j, k = np.moveaxis(traces.place[row][:, None, :] + corners, -1, 0)
+    i, j, k = (traces.place[row][:, None, :] + _OFFSETS[face]).transpose(2, 0, 1)
     return row, face, components(lattice.field)[0][i, j, k]
 
 
@@ -197,9 +197,16 @@ def saddles(lattice: Lattice, traces: Traces) -> tuple[Integers, Integers, Integ
     row, face : (m,) index into `traces` and into its six faces
     sign, clarity : (m,) as in `saddle_sign`
     """
-    row, face, values = faces_of(lattice, traces)
-    sign, clarity = saddle_sign(values, lattice.isovalue)
-    return row, face, sign, clarity
+    if traces not in _SADDLES:
+        row, face, values = faces_of(lattice, traces)
+        _SADDLES[traces] = row, face, *saddle_sign(values, lattice.isovalue)
+    return _SADDLES[traces]
+
+
+_SADDLES: WeakKeyDictionary[Traces, tuple[Integers, Integers, Integers, Floats]] = (
+    WeakKeyDictionary()
+)
+"""What `saddles` found, of which several claims ask; traces are over one lattice."""
 
 
 def read_in_favour(lattice: Lattice, traces: Traces) -> Booleans:
@@ -223,3 +230,7 @@ def _corners(axis: int, side: int) -> list[list[int]]:
         offset[across[0]], offset[across[1]] = s, t
         corners.append(offset)
     return corners
+
+
+_OFFSETS = np.array([_corners(*face) for face in FACES])
+"""(6, 4, 3) offsets of the corners of each face."""

@@ -39,7 +39,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import combinations, permutations
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -104,9 +106,14 @@ def meetings(lattice: Lattice, places: Floats, simplices: Integers) -> Meetings:
         for simplices that lie across far more flats than those of a level set
     """
     n, m = lattice.n, len(lattice.isovalues)
-    excused = excused_samples(lattice)
+    out = excused_samples(lattice) | ~_within_domain(lattice)
+    tops = np.floor(lattice.last + 1).astype(np.int64).tolist()
+    sizes = tuple(map(min, lattice.shape, tops))
+    wraps = [end.end == "periodic" for end in lattice.ends]
+    spans = [_span(*one, simplices) for one in zip(places.T, sizes, wraps, strict=True)]
     parts = [
-        _along(lattice, places, simplices, axes, excused) for axes in combinations(range(n), m)
+        _along(lattice, places, simplices, axes, out, sizes, spans)
+        for axes in combinations(range(n), m)
     ]
     return Meetings(
         np.concatenate(
@@ -153,20 +160,32 @@ def _spread_out(marked: Booleans, steps: int) -> Booleans:
 
 
 def _along(
-    lattice: Lattice, places: Floats, simplices: Integers, axes: tuple[int, ...], excused: Booleans
+    lattice: Lattice,
+    places: Floats,
+    simplices: Integers,
+    axes: tuple[int, ...],
+    out: Booleans,
+    sizes: tuple[int, ...],
+    spans: Sequence[Span],
 ) -> tuple[Integers, Integers, Integers]:
-    """Corners, meetings found and wanted of the faces along these axes."""
+    """Corners, meetings found and wanted of the faces along these axes.
+
+    Parameters
+    ----------
+    out : (N1, .., Nn) samples whose side need not be told
+    sizes, spans : along each axis the samples within the domain's ends, and what `_span` says
+    """
     n, m = lattice.n, len(axes)
     others = tuple(a for a in range(n) if a not in axes)
     turned = (*axes, *others)
     shape = tuple(lattice.shape[a] for a in turned)
     periodic = [lattice.ends[a].end == "periodic" for a in turned]
-    sign = int(parity(np.array([turned]))[0])
+    sign = _parity_of(turned)
 
     # Find the points in which the mesh meets the flats of the domain.
-    tops = np.floor(lattice.last[list(turned)] + 1).astype(np.int64)
-    within_ends = tuple(min(size, top) for size, top in zip(shape, tops.tolist(), strict=True))
-    where, flat, turn = crossings(places[:, turned], simplices, within_ends, m, periodic[m:])
+    within_ends = tuple(sizes[a] for a in turned)
+    met = _candidates([spans[a] for a in others], within_ends[m:], len(simplices))
+    where, flat, turn = _met(places[:, turned], simplices, within_ends, m, periodic[m:], met)
     face = np.ceil(where).astype(np.int64) - 1
     for a in range(m):
         if periodic[a]:
@@ -186,32 +205,39 @@ def _along(
     else:
         values = [component.transpose(turned) for component in components(lattice.field)]
         key, wanted = _degrees(values, lattice.isovalues, sides, m, periodic)
-    every, group = np.unique(np.concatenate([seen, key]), return_inverse=True)
+    listed = np.zeros(out.size, bool)
+    listed[seen] = listed[key] = True
+    every = np.flatnonzero(listed)
     found, due = np.zeros((2, len(every)), np.int64)
-    np.add.at(found, group[: len(seen)], sign * turn[within])
-    due[group[len(seen) :]] = wanted
+    np.add.at(found, every.searchsorted(seen), sign * turn[within])
+    due[every.searchsorted(key)] = wanted
 
     # Leave out, or bridge, what need not be told.
-    out = excused.transpose(turned)
-    inside = _within_domain(lattice, turned, shape)
+    out = out.transpose(turned)
     if m == 1:
-        every, found, due = _bridged(every, found, due, out | ~inside, shape, periodic[0])
+        every, found, due = _bridged(every, found, due, out, shape, periodic[0])
     else:
         corner = np.stack(np.unravel_index(every, shape), 1)
-        keep = ~_any_corner(out | ~inside, corner, m)
+        keep = ~_any_corner(out, corner, m)
         every, found, due = every[keep], found[keep], due[keep]
     start = np.stack(np.unravel_index(every, shape), 1)
     return start[:, np.argsort(turned)], found, due
 
 
-def _within_domain(lattice: Lattice, turned: tuple[int, ...], shape: tuple[int, ...]) -> Booleans:
-    """Samples, axes turned, that are in the domain."""
-    inside = np.ones(shape, bool)
-    for place, axis in enumerate(turned):
-        index = np.arange(lattice.shape[axis])
+@cache
+def _parity_of(turned: tuple[int, ...]) -> int:
+    """The parity of one permutation."""
+    return int(parity(np.array([turned]))[0])
+
+
+def _within_domain(lattice: Lattice) -> Booleans:
+    """Samples that are in the domain."""
+    inside = np.ones(lattice.shape, bool)
+    for axis, size in enumerate(lattice.shape):
+        index = np.arange(size)
         along = (index >= lattice.first[axis]) & (index <= lattice.last[axis])
-        view = [1] * len(shape)
-        view[place] = -1
+        view = [1] * lattice.n
+        view[axis] = -1
         inside &= along.reshape(view)
     return inside
 
@@ -380,7 +406,22 @@ def crossings(
     """
     k = places.shape[1] - m
     wraps = list(periodic) or [False] * k
-    which, flat = _candidates(places, simplices, shape, m, wraps)
+    axes = zip(places.T[m:], shape[m:], wraps, strict=True)
+    met = _candidates([_span(*one, simplices) for one in axes], shape[m:], len(simplices))
+    return _met(places, simplices, shape, m, wraps, met)
+
+
+def _met(
+    places: Floats,
+    simplices: Integers,
+    shape: tuple[int, ...],
+    m: int,
+    wraps: Sequence[bool],
+    met: tuple[Integers, Integers],
+) -> tuple[Floats, Integers, Integers]:
+    """`crossings` among these simplices and flats, of `_candidates`."""
+    k = places.shape[1] - m
+    which, flat = met
     if not k:
         return (
             places[simplices[:, 0]],
@@ -494,39 +535,47 @@ def _derivative_signs(facet: Floats, axis: int) -> Integers:
     return -_determinant_signs(moved)[0]
 
 
-def _candidates(
-    places: Floats, simplices: Integers, shape: tuple[int, ...], m: int, wraps: Sequence[bool]
-) -> tuple[Integers, Integers]:
-    """Simplices and flats whose projections' boxes meet: (r,) simplices and (r, k) flats.
+Span = tuple[Integers, Integers]
+"""Of each simplex the first of the displaced samples along an axis that it spans, and how many."""
+
+
+def _span(along: Floats, size: int, wraps: bool, simplices: Integers) -> Span:
+    """What each simplex spans along an axis, from its vertices' places (V,) along it.
 
     A flat at j + e is within [low, high] exactly when low <= j < high, one at j - e when
     low < j <= high.
     """
-    first, count = [], []
-    for axis, wrap in enumerate(wraps, m):
-        above = np.ceil(places[:, axis]).astype(np.int64)
-        at = above[simplices]
-        low = np.maximum(at.min(axis=1), 0)
-        high = np.minimum(at.max(axis=1), shape[axis] - (0 if wrap else 1))
-        if not wrap:
-            # A simplex that reaches the last plane also meets the flat there, unless it lies in it.
-            reaches = np.flatnonzero(high == shape[axis] - 1)
-            levels = places[simplices[reaches], axis]
-            top = shape[axis] - 1
-            reaches = reaches[(levels.max(1) >= top) & (levels.min(1) < top)]
-            high[reaches] += 1
-        first.append(low)
-        count.append(np.maximum(high - low, 0))
-    if not first:
-        return np.arange(len(simplices)), np.empty((len(simplices), 0), np.int64)
-    total = np.prod(np.array(count, np.float64), axis=0)
+    at = np.ceil(along).astype(np.int64)[simplices]
+    low = np.maximum(at.min(axis=1), 0)
+    high = np.minimum(at.max(axis=1), size - (0 if wraps else 1))
+    if not wraps:
+        # A simplex that reaches the last plane also meets the flat there, unless it lies in it.
+        top = size - 1
+        reaches = np.flatnonzero(high == top)
+        levels = along[simplices[reaches]]
+        reaches = reaches[(levels.max(1) >= top) & (levels.min(1) < top)]
+        high[reaches] += 1
+    return low, np.maximum(high - low, 0)
+
+
+def _candidates(
+    spans: Sequence[Span], shape: tuple[int, ...], simplices: int
+) -> tuple[Integers, Integers]:
+    """Simplices and flats whose projections' boxes meet: (r,) simplices and (r, k) flats.
+
+    Parameters
+    ----------
+    spans, shape : along each axis of the flats' index, as in `_span`, and the number of samples
+    simplices : how many there are
+    """
+    if not spans:
+        return np.arange(simplices), np.empty((simplices, 0), np.int64)
+    total = np.prod(np.array([count for _, count in spans], np.float64), axis=0)
     met = np.flatnonzero(total > 0)
-    flats = float(np.prod(np.array(shape[m:], np.float64)))
-    if float(total.sum()) > MOST * (len(simplices) + flats):
-        raise TooWideError(
-            f"{len(simplices)} simplices lie across {total.sum():.0f} lines of samples"
-        )
-    return _spread(met, [c[met] for c in first], [c[met] for c in count])
+    flats = prod(map(float, shape))
+    if float(total.sum()) > MOST * (simplices + flats):
+        raise TooWideError(f"{simplices} simplices lie across {total.sum():.0f} lines of samples")
+    return _spread(met, [low[met] for low, _ in spans], [count[met] for _, count in spans])
 
 
 def _spread(

@@ -165,8 +165,7 @@ class Lattice:
 
         Places absurdly far outside are brought to `FAR`, where whole numbers are still exact.
         """
-        places = self.field.index(points)
-        places = np.clip(places, -FAR, FAR)
+        places = np.minimum(np.maximum(self.field.index(points), -FAR), FAR)
         for plane in self._planes:
             places = np.where(np.abs(places - plane) <= self.tolerance, plane, places)
         return places

@@ -18,7 +18,7 @@ import numpy as np
 from isoref.field import Booleans, Floats, Integers
 
 from isograde.oracles.complexes import Complex, parity
-from isograde.oracles.rows import components_of, distinct, near_pairs
+from isograde.oracles.rows import components_of, distinct, in_order, near_pairs
 
 
 def names(one: Floats, other: Floats, tolerance: float) -> tuple[Integers, Integers]:
@@ -62,7 +62,7 @@ def lonely(one: Floats, other: Floats, tolerance: float) -> tuple[Integers, Inte
     """Places of either set, by number, without one of the other set within the tolerance."""
     # Most often the sets are the same, and in order each place is next to its own.
     if one.shape == other.shape and len(one):
-        ordered = (places[np.lexsort(places.T)] for places in (one, other))
+        ordered = (places.take(in_order(places), axis=0) for places in (one, other))
         if (np.abs(np.subtract(*ordered)) <= tolerance).all():
             return np.empty(0, np.int64), np.empty(0, np.int64)
     first, second = names(one, other, tolerance)

@@ -37,9 +37,13 @@ def distinct(rows: Array) -> tuple[Integers, Integers]:
     order = np.lexsort(keys[::-1])
     new = np.zeros(count, bool)
     new[:1] = True
-    for key in keys:
-        ordered = key[order]
-        new[1:] |= ordered[1:] != ordered[:-1]
+    if count <= FEW:
+        few = rows[order]
+        new[1:] = (few[1:] != few[:-1]).any(axis=1)
+    else:
+        for key in keys:
+            ordered = key[order]
+            new[1:] |= ordered[1:] != ordered[:-1]
     name = np.empty(count, np.int64)
     name[order] = np.cumsum(new) - 1
     return order[new], name
@@ -59,6 +63,11 @@ def _keys(rows: Integers) -> list[Integers]:
             keys.append(column.astype(np.int64))
             held = span
     return keys
+
+
+def in_order(places: Floats) -> Integers:
+    """(n,) the places in their order along a line on which no two samples fall together."""
+    return np.argsort(places @ DIRECTION[: places.shape[1]])
 
 
 def near_pairs(places: Floats, tolerance: float, *, along_axes: bool = False) -> Integers:

@@ -46,6 +46,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -93,9 +94,11 @@ def _meet(points: Floats, faces: Integers, planes: Floats, pairs: Integers) -> B
         rows = np.flatnonzero(shared == number)
         if not len(rows):
             continue
-        rows = rows[~_ask(apart, points[corners[rows]])]
+        # Ask at once in integers where those of the machine do, else first in floating point.
         fine = _on_fine_grid(points[corners[rows]])
-        for some, numbers in ((rows[fine], _small), (rows[~fine], integers)):
+        small, rest = rows[fine], rows[~fine]
+        rest = rest[~_ask(apart, points[corners[rest]])]
+        for some, numbers in ((small, _small), (rest, integers)):
             meet[open_[some]] = ~_ask(apart, numbers(points[corners[some]].reshape(-1, 18)))
     return meet
 
@@ -319,8 +322,14 @@ def _every_pair(count: int) -> list[tuple[Integers, Integers]]:
     """All pairs of so few faces that sorting them into bins costs more; else no portion."""
     if count > FEW:
         return []
+    return [_each_with_each(count)]
+
+
+@cache
+def _each_with_each(count: int) -> tuple[Integers, Integers]:
+    """Every pair of so many things, each once."""
     one, other = np.triu_indices(count, 1)
-    return [(one, other)]
+    return one, other
 
 
 def _bins(low: Floats, high: Floats) -> tuple[Integers, Integers, Integers]:

@@ -10,6 +10,7 @@ mixed       a face or a cell on whose corners every component has samples on bot
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -33,21 +34,32 @@ def least_faces(lattice: Lattice, places: Floats) -> tuple[Integers, Booleans]:
 def mixed(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
     """(r,) every component has both sides on the corners of these faces."""
     some, every = (np.full((len(lattice.sides), len(low)), fill) for fill in (False, True))
-    last = np.subtract(lattice.shape, 1)
-    for offset in product((0, 1), repeat=lattice.n):
-        corner = np.minimum(low + np.array(offset) * along, last)
-        sides = lattice.sides[(slice(None), *corner.T)]
-        some, every = some | sides, every & sides
+    for sides in _corners(lattice, low, along):
+        some |= sides
+        every &= sides
     return np.asarray((some & ~every).all(axis=0))
+
+
+def _corners(lattice: Lattice, low: Integers, along: Booleans) -> Iterator[Booleans]:
+    """(m, r) the sides at one corner of these faces, corner by corner.
+
+    A face that would go on beyond the last sample ends there.
+    """
+    sides = lattice.sides.reshape(len(lattice.sides), -1)
+    inner = along & (low < np.subtract(lattice.shape, 1))
+    strides = np.cumprod((1, *lattice.shape[:0:-1]))[::-1]
+    corners = [low @ strides]
+    for steps in (inner * strides).T:
+        corners += [corner + steps for corner in corners]
+    for corner in corners:
+        yield sides.take(corner, axis=1)
 
 
 def has_inside(lattice: Lattice, low: Integers, along: Booleans) -> Booleans:
     """(r,) some corner of these faces is inside, of every component."""
     found = np.zeros(len(low), bool)
-    last = np.subtract(lattice.shape, 1)
-    for offset in product((0, 1), repeat=lattice.n):
-        corner = np.minimum(low + np.array(offset) * along, last)
-        found |= lattice.sides[(slice(None), *corner.T)].all(axis=0)
+    for sides in _corners(lattice, low, along):
+        found |= sides.all(axis=0)
     return found
 
 

@@ -46,6 +46,8 @@ NODES: tuple[Place, ...] = tuple(p for p in PLACES if p.count(1) == 1)
 CORNERS: tuple[Place, ...] = tuple(p for p in PLACES if p.count(1) == 0)
 FACES: tuple[tuple[int, int], ...] = tuple((axis, side) for axis in range(3) for side in (0, 2))
 NOWHERE = 27
+# Look so few traces up one by one; of more, each distinct one once.
+FEW = 128
 
 
 def number(place: Place) -> int:
@@ -179,15 +181,19 @@ class Traces:
         return _by_face(self.code)
 
     @cached_property
+    def legal(self) -> Integers:
+        """(n, 6, 2) the legal traces of each face, as in `legal`."""
+        return legal()[self.signs]
+
+    @cached_property
     def ambiguous(self) -> Booleans:
         """(n, 6) faces with two legal traces."""
-        pairs = legal()[self.signs]
-        return np.asarray(pairs[..., 0] != pairs[..., 1])
+        return np.asarray(self.legal[..., 0] != self.legal[..., 1])
 
     @cached_property
     def readings(self) -> Readings:
         """The ways to read the faces in which triangles lie flat."""
-        return read(self.lying, self.faces, legal()[self.signs])
+        return read(self.lying, self.faces, self.legal)
 
     @cached_property
     def separated(self) -> Booleans:
@@ -201,7 +207,7 @@ class Traces:
 
     def _is(self, state: int) -> Booleans:
         """(n, 6) the trace is the legal one of this state; with flat triangles, can be."""
-        found = np.asarray(self.faces == legal()[self.signs, :, state])
+        found = np.asarray(self.faces == self.legal[..., state])
         return self._on_flat(found, self.readings.legal[:, state]) if len(self.lying) else found
 
     @cached_property
@@ -264,6 +270,8 @@ class Traces:
     @cached_property
     def polygons(self) -> Integers:
         """(n,) number of closed curves in each cell's trace."""
+        if len(self.code) <= FEW:
+            return np.array([polygons(code) for code in self.code.tolist()], np.int64)
         codes, group = np.unique(self.code, return_inverse=True)
         counts = np.array([polygons(int(c)) for c in codes], np.int64)
         return counts[group]
@@ -282,9 +290,15 @@ class Traces:
 def alike(ours: Traces, theirs: Traces, row: Integers, other: Integers) -> Booleans:
     """(n, 6) the cells ours[row] and theirs[other] can be read alike on a face, or are not decided.
 
+    Each two are one cell of a lattice.
+
     Flat triangles of a neighbour add readings to a face, and which cell they belong to is not
     compared; so the same surface posed otherwise may have more readings, but has one in common.
     """
+    # Without flat triangles there is one reading, and most often it is the same everywhere.
+    plain = not len(ours.lying) and not len(theirs.lying)
+    if plain and np.array_equal(ours.code[row], theirs.code[other]):
+        return np.ones((len(row), 6), bool)
     separated, joined = ours.separated[row], ours.joined[row]
     others = theirs.separated[other], theirs.joined[other]
     common = (separated & others[0]) | (joined & others[1])
@@ -316,16 +330,19 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
     """
     shape = np.maximum(np.subtract(lattice.shape, 1), 0)
     if lattice not in _ACTIVE:
-        signs = signs_of(lattice)
-        _ACTIVE[lattice] = signs, np.flatnonzero((signs != 0) & (signs != 255))
-    signs, active = _ACTIVE[lattice]
+        signs = signs_of(lattice).reshape(-1)
+        _ACTIVE[lattice] = _cells(lattice, signs, np.flatnonzero((signs != 0) & (signs != 255)))
+    cells = _ACTIVE[lattice]
     corner, code, extent = _triangles(lattice, places, faces)
     here = ((corner >= 0) & (corner < shape)).all(axis=1)
     proper = here & (extent == 1).all(axis=1)
     own = _flat_index(corner[proper], shape)
-    cell = np.union1d(active, own)
+    # Most often every triangle is in a cell with both sides.
+    signs = cells.all_signs[own]
+    if ((signs == 0) | (signs == 255)).any():
+        cells = _cells(lattice, cells.all_signs, np.union1d(cells.cell, own))
+    cell = cells.cell
     at = np.searchsorted(cell, own)
-    place = np.stack(np.unravel_index(cell, tuple(np.maximum(shape, 1))), axis=1)
     order = np.argsort(at, kind="stable")
     count = np.bincount(at, minlength=len(cell))
     total = np.zeros(len(cell), np.int64)
@@ -338,9 +355,9 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
         lying = _walled(lying, lattice)
     return Traces(
         cell,
-        place,
-        signs.reshape(-1)[cell].astype(np.int64),
-        _tied_cells(lattice, place),
+        cells.place,
+        cells.signs,
+        cells.tied,
         total,
         count,
         _extra_vertices(lattice, places, faces, cell, shape),
@@ -350,8 +367,27 @@ def traces(lattice: Lattice, places: Floats, faces: Integers, *, more: bool = Fa
     )
 
 
-_ACTIVE: WeakKeyDictionary[Lattice, tuple[NDArray[np.uint8], Integers]] = WeakKeyDictionary()
-"""The signs of a lattice's cells, and those with both sides: many meshes lie over one lattice."""
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """Cells of a lattice, `cell`, `place`, `signs` and `tied` as in `Traces`; the signs of all."""
+
+    all_signs: NDArray[np.uint8]
+    cell: Integers
+    place: Integers
+    signs: Integers
+    tied: Booleans
+
+
+def _cells(lattice: Lattice, signs: NDArray[np.uint8], cell: Integers) -> _Cells:
+    """These cells, where all have these signs."""
+    shape = tuple(max(size - 1, 1) for size in lattice.shape)
+    place = np.stack(np.unravel_index(cell, shape), axis=1)
+    tied = _tied_cells(lattice, place)
+    return _Cells(signs, cell, place, signs[cell].astype(np.int64), tied)
+
+
+_ACTIVE: WeakKeyDictionary[Lattice, _Cells] = WeakKeyDictionary()
+"""The cells of a lattice that have both sides: many meshes lie over one lattice."""
 
 
 def _flat_index(corner: Integers, shape: Integers) -> Integers:
@@ -401,6 +437,8 @@ def _lying(
 ) -> Lying:
     """The flat triangles on the faces of these cells."""
     level = extent <= 0
+    if not level.any():
+        return Lying.none()
     flat = np.flatnonzero(level.any(axis=1) & (level.sum(axis=1) == 1) & (extent <= 1).all(axis=1))
     if not len(flat) or not len(cell):
         return Lying.none()

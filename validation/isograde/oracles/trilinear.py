@@ -158,21 +158,37 @@ def _saddles(
 ) -> tuple[Ints, NDArray[np.bool_], NDArray[np.bool_]]:
     """What q does while exactly the lines of `high` are high; where it is tied; where unsure.
 
-    Each line is as wanted on one interval that touches t = 0 or t = 1, so all four are as wanted
-    on one interval: from the last of the lines that become so to the first that cease to be.
+    Most cells have a line that is never as wanted, and q does nothing.
     """
-    rows = np.arange(len(signs))
     wanted = np.array([1 if line in high else -1 for line in range(4)])
     early, late = signs[:, :4] == wanted, signs[:, 4:] == wanted
-    begin, end = np.full(len(signs), -1), np.full(len(signs), -1)
+    sequence = np.zeros(len(signs), np.int64)
+    tied, unsure = np.zeros((2, len(signs)), bool)
+    rows = np.flatnonzero((early | late).all(axis=1))
+    if len(rows):
+        sequence[rows], tied[rows], unsure[rows] = _saddles_while(
+            f[rows], g[rows], order[:, :, rows], early[rows], late[rows]
+        )
+    return sequence, tied, unsure
+
+
+def _saddles_while(
+    f: Bounded, g: Bounded, order: Ints, early: NDArray[np.bool_], late: NDArray[np.bool_]
+) -> tuple[Ints, NDArray[np.bool_], NDArray[np.bool_]]:
+    """The same, where each line is as wanted at t = 0 (early) or at t = 1 (late).
+
+    It is so on one interval that touches that end, and all four are on one interval: from the last
+    of the lines that become so to the first that cease to be.
+    """
+    rows = np.arange(len(early))
+    begin, end = np.full((2, len(early)), -1)
     for line in range(4):
         begins, ends = ~early[:, line] & late[:, line], early[:, line] & ~late[:, line]
         later = (begin < 0) | (order[line, begin, rows] > 0)
         sooner = (end < 0) | (order[line, end, rows] < 0)
         begin, end = np.where(begins & later, line, begin), np.where(ends & sooner, line, end)
     ordered = (begin < 0) | (end < 0) | (order[begin, end, rows] < 0)
-    there = (early | late).all(axis=1) & ordered
-    return _signs_of_q(_slice_values(f, g, begin, f), _slice_values(f, g, end, g), there)
+    return _signs_of_q(_slice_values(f, g, begin, f), _slice_values(f, g, end, g), ordered)
 
 
 def _slice_values(f: Bounded, g: Bounded, root: Ints, default: Bounded) -> Bounded:
@@ -369,11 +385,6 @@ class Truths:
     def tunnels(self) -> Ints:
         """(n,) number of times curves share a sheet: curves less sheets."""
         return self.curves - self.components
-
-    @property
-    def genus(self) -> Ints:
-        """(n,) total genus of the sheets, from Euler = 2 sheets - 2 genus - curves."""
-        return (2 * self.components - self.curves - self.euler) // 2
 
 
 def _count_pairs(high: NDArray[np.bool_], names: Ints) -> Ints:
