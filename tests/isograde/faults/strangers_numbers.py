@@ -242,7 +242,7 @@ class FirstTwoSpacings(Engine):
 
 
 @stranger("symmetry.spacing")
-class WeldedInTheWorld(Engine):
+class WeldedInMetres(Engine):
     """Vertices within 1e-8 of each other are welded, in units of the world, say metres."""
 
     def finish(
