@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
-from tests.isograde.faults.registry import fault
+from tests.isograde.faults.registry import SURVIVORS, fault
 
 stranger = partial(fault, level=3)
 
@@ -256,3 +256,32 @@ class WeldedInMetres(Engine):
         welded = number.reshape(-1)[triangles]
         kept = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
         return world[first], welded[kept]
+
+
+SURVIVORS.update(
+    {
+        "whole-isovalue-wraps": "An isovalue that is a Python integer, or a scalar of NumPy's, on "
+        "samples of an integer type: every case is asked with a Python float.",
+        "isovalue-in-single": "Samples in single precision that equal the isovalue as rounded to "
+        "it, as 0.7 is: tenths as samples and as isovalue.",
+        "machine-epsilon": "Values scaled by 2 ** -50 and less, under a promised claim: "
+        "`symmetry.scaling` does not go so far, and `range.scale` is not promised.",
+        "cropped-rows": "A crop of a larger array, its middle axis cropped, its rows adjacent: the "
+        "gaps of `strided` are in every axis, the last one too.",
+        "foreign-columns": "Two layouts at once: foreign bytes in the order of Fortran, as a big-"
+        "endian NIfTI file has them, or with gaps, or backwards.",
+        "converted-once": "The same array asked again after other samples were written to it.",
+        "kept-by-printed-isovalue": "The same samples asked at isovalues that differ in a seventh "
+        "digit.",
+        "two-buffers": "An answer kept while two or more other fields are asked; and this register "
+        "asks each function once, so that no claim of the family `calls` is judged here.",
+        "stamp-of-abyte": "Some 256 and more calls on fields of one shape, the surface in another "
+        "place each time.",
+        "hash-of32-bits": "Meshes of a million vertices: those of the plan are too small to have "
+        "two of the same hash, but by chance.",
+        "lone-last-layer": "Shapes of a power of two and one to three more samples along an axis, "
+        "66 and 130 as well, with a surface in the last layer.",
+        "welded-in-metres": "A spacing of some nanometres, or of some thousands of kilometres, in "
+        "metres.",
+    }
+)
