@@ -212,7 +212,7 @@ class LoneLastLayer(Engine):
         return cells
 
 
-@stranger("topology.sides")
+@stranger("topology.closed")
 class BricksApart(Engine):
     """Bricks of 32 samples, all on one side, are skipped, whatever is on the next brick's."""
 
@@ -228,7 +228,7 @@ class BricksApart(Engine):
         return found
 
 
-@stranger("symmetry.spacing")
+@stranger("topology.closed")
 class FirstTwoSpacings(Engine):
     """Voxels are taken to be cubes if their first two sides are equal."""
 
