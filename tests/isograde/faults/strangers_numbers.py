@@ -260,7 +260,7 @@ class WeldedInMetres(Engine):
 
 SURVIVORS.update(
     {
-        "whole-isovalue-wraps": "An isovalue that is a Python integer, or a scalar of NumPy's, on "
+        "whole-isovalue-wraps": "An isovalue that is a Python integer, on "
         "samples of an integer type: every case is asked with a Python float.",
         "isovalue-in-single": "Samples in single precision that equal the isovalue as rounded to "
         "it, as 0.7 is: tenths as samples and as isovalue.",
