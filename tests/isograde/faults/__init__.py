@@ -6,6 +6,7 @@ blind       faults whose author knew the README and `isograde explain` alone
 histories   faults of the kinds in public trackers and histories
 kinds       faults of other families and other (n, m)
 outsiders   shortcuts that nobody looked for, and what the plan lets pass
+strangers_shapes  geometry, topology and other families: thresholds, rows of tables, names too short
 placed      faults of axes that run elsewhere in the world
 catching    the default plan, asked until a promise is broken
 matrix      ``make faults``: the whole plan, every fault, every claim, into a report

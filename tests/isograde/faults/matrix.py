@@ -27,14 +27,22 @@ from typing import Any
 from isograde.claims import CLAIMS
 from isograde.runner import Worker
 
-from tests.isograde.faults import blind, engine, histories, kinds, outsiders, placed
+from tests.isograde.faults import (
+    blind,
+    engine,
+    histories,
+    kinds,
+    outsiders,
+    placed,
+    strangers_shapes,
+)
 from tests.isograde.faults.catching import caught_by, lowest, rank, tasks_of, worker_of
 from tests.isograde.faults.registry import FAULTS, SURVIVORS, Fault
 from tests.isograde.faults.sharing import MOST, Sound, family, sound_worker, verdicts
 
 HERE = Path(__file__).resolve().parents[3]
 BUILD = HERE / "build" / "faults"
-MODULES = (blind, histories, kinds, outsiders, placed)
+MODULES = (blind, histories, kinds, outsiders, placed, strangers_shapes)
 CAUGHT = Path(__file__).parent / "caught.json"
 KEPT = HERE / "reports" / "faults" / "matrix.jsonl"
 REPORT = HERE / "reports" / "faults" / "README.md"
