@@ -22,7 +22,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
-from tests.isograde.faults.registry import fault
+from tests.isograde.faults.registry import SURVIVORS, fault
 
 stranger = partial(fault, level=3)
 
@@ -340,3 +340,19 @@ def one_row_of_turns(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Of the cells that are split where two pinched ones meet, one row of the table is missing."""
     mesh = dual.surface(FORGETFUL, Field.of(values, spacing, dimension=3), isovalue)
     return mesh.vertices, mesh.simplices
+
+
+SURVIVORS.update(
+    {
+        "cleaned-by-diagonal": "a sample near the isovalue in a long volume, or where one axis of "
+        "the world is far finer than the others: crossings that are apart by 1e-8 to 1e-4 cells",
+        "hash-is-identity": "a volume with crossings on a hundred thousand lattice edges, or two "
+        "bodies far apart at samples whose usual hashes are equal",
+        "saddle-within-millionth": "ambiguous faces whose saddle is above the isovalue by less "
+        "than a millionth of the samples, but by more than rounding",
+        "close-enough": "contours that leave an image near a border sample a hair above the "
+        "isovalue, and at indices in the thousands",
+        "jointly-scaled": "several fields of magnitudes that differ by ten powers of ten or more",
+        "byte-for-each-axis": "fields in four dimensions and more with over 256 samples on an axis",
+    }
+)
