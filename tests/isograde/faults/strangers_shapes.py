@@ -206,8 +206,9 @@ class NormalsAtTheBorder(Engine):
             slope[:, 1] += weight * (wide[i, j + 1, k] - wide[i, j - 1, k]) / 2
             slope[:, 2] += weight * (wide[i, j, k + 1] - wide[i, j, k - 1]) / 2
         normals = -slope / np.asarray(spacing)
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        return vertices, triangles, normals / np.where(length > 0, length, 1)
+        # Where the samples have no slope, any direction will do.
+        normals[~normals.any(axis=1)] = (1, 0, 0)
+        return vertices, triangles, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 SQUARE_EDGES = ((0, 0, 0), (1, 0, 1), (0, 1, 0), (0, 0, 1))
