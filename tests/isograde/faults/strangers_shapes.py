@@ -355,5 +355,7 @@ SURVIVORS.update(
         "isovalue, and at indices in the thousands",
         "jointly-scaled": "several fields of magnitudes that differ by ten powers of ten or more",
         "byte-for-each-axis": "fields in four dimensions and more with over 256 samples on an axis",
+        "normals-at-the-border": "returned normals held against those of the interpolant, and not "
+        "only against themselves at another spacing",
     }
 )
