@@ -7,7 +7,8 @@ histories   faults of the kinds in public trackers and histories
 kinds       faults of other families and other (n, m)
 outsiders   shortcuts that nobody looked for, and what the plan lets pass
 placed      faults of axes that run elsewhere in the world
-strangers_numbers  slips with numbers, arrays, and what stays between two calls
+strangers_numbers, strangers_shapes
+            written by two who knew the README and `isograde explain` alone, for plan 4
 catching    the default plan, asked until a promise is broken
 matrix      ``make faults``: the whole plan, every fault, every claim, into a report
 caught.json for each fault a case of the plan that catches it, and what is broken there;

@@ -35,6 +35,7 @@ from tests.isograde.faults import (
     outsiders,
     placed,
     strangers_numbers,
+    strangers_shapes,
 )
 from tests.isograde.faults.catching import caught_by, lowest, rank, tasks_of, worker_of
 from tests.isograde.faults.registry import FAULTS, SURVIVORS, Fault
@@ -42,7 +43,7 @@ from tests.isograde.faults.sharing import MOST, Sound, family, sound_worker, ver
 
 HERE = Path(__file__).resolve().parents[3]
 BUILD = HERE / "build" / "faults"
-MODULES = (blind, histories, kinds, outsiders, placed, strangers_numbers)
+MODULES = (blind, histories, kinds, outsiders, placed, strangers_numbers, strangers_shapes)
 CAUGHT = Path(__file__).parent / "caught.json"
 KEPT = HERE / "reports" / "faults" / "matrix.jsonl"
 REPORT = HERE / "reports" / "faults" / "README.md"
