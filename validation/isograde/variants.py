@@ -225,6 +225,14 @@ def _strided(field: Field, isovalues: Isovalues) -> Posed:
     return _values(field, wide[tuple(steps)]), isovalues
 
 
+def _cropped(field: Field, isovalues: Isovalues) -> Posed:
+    """A crop of a larger array of zeros: samples of a row are adjacent, rows and planes are not."""
+    rim = [(0, 0)] * (field.values.ndim - field.dimension) + [(1, 2)] * field.dimension
+    wide = np.pad(field.values, rim)
+    crop = tuple(slice(low, low + n) for (low, _), n in zip(rim, field.values.shape, strict=True))
+    return _values(field, wide[crop]), isovalues
+
+
 def _backwards(field: Field, isovalues: Isovalues) -> Posed:
     """A view that runs backwards through memory along its last axis but one."""
     axis = max(field.values.ndim - 2, 0)
@@ -534,6 +542,7 @@ SIMPLE: tuple[Variant, ...] = (
     Variant("negative/two", "negative spacings along two axes", _negative(2)),
     Variant("fortran", "first axis fastest in memory", _fortran),
     Variant("strided", "every second element of a larger array", _strided),
+    Variant("cropped", "a crop of a larger array", _cropped),
     Variant("backwards", "a view that runs backwards through memory", _backwards),
     Variant("swapped", "the bytes of every number in the other order", _swapped_bytes),
     Variant("read-only", "samples that cannot be written", _read_only),

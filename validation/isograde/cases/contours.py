@@ -28,6 +28,7 @@ def cases(seed: int = 0) -> list[Case]:
         _case("narrow", partial(_narrow, seed), 0.0, (2, 24), "posed noise"),
         _case("bytes", partial(_bytes, seed), 99.5, (14, 12), "posed noise"),
         _case("integers", _integers, 9.0, (9, 9), "ties posed"),
+        _case("far", _far, 0.0, (2002, 4), "noise"),
         _case("constant", _constant, 0.5, (5, 6), "empty"),
         _case("at-the-constant", _constant, 1.0, (5, 6), "empty"),
         _case("out-of-range", _integers, 1000.0, (9, 9), "empty"),
@@ -95,6 +96,13 @@ def _disc() -> Field:
     """The distance to a circle."""
     x, y, h = _plane()
     return Field.of(2.5 - np.hypot(x - 0.031, y + 0.017), h)
+
+
+def _far() -> Field:
+    """Low, but for a sample on the border far out: a contour whose ends are close, and open."""
+    values = np.full((2002, 4), -1.0)
+    values[2000, 0] = 0.01
+    return Field.of(values)
 
 
 def _annulus() -> Field:

@@ -11,6 +11,8 @@ each    one cell for each of the 766 topologies of a cell that the surface meets
 near    six cases with a tunnel and the same without it, `BASES` independent cells each, in 96
         positions: 2 ** -7 of the way from one to the other, and 2 ** -12, where single precision
         must calculate with care; 2 ** -18 is beyond it, and in full runs alone
+faces   cells with one ambiguous face, whose saddle is 2 ** -21 of the samples beside the isovalue:
+        as near as single precision tells apart without care
 ones    the 256 cells of ones and minus ones: every ambiguous face has its saddle on the isovalue
 bodies  cells of small whole numbers with a saddle of the body on the isovalue, and no other tie
 """
@@ -90,6 +92,21 @@ def tunnels(bits: int, seed: int) -> Field:
     return Field.of(mosaic(np.array(parts), (8, 12, 12)))
 
 
+def faces() -> Field:
+    """Cells with one ambiguous face that is nearly undecided: every face, both ways and signs.
+
+    Each is of another size, lest the faces between them have saddles on the isovalue.
+    """
+    parts: list[Floats] = []
+    for axis, side, turned, sign in product(range(3), (0, 1), (0, 1), (-1, 1)):
+        for nearly in (1 + 2.0**-21, 1 - 2.0**-21):
+            face = np.array([[1.0, -1.0], [-1.0, nearly]])[:, :: -1 if turned else 1]
+            cell = np.full((2, 2, 2), -1.0)
+            np.moveaxis(cell, axis, 0)[side] = face
+            parts.append(cell * sign * (64 + len(parts)) / 64)
+    return Field.of(mosaic(np.array(parts), (3, 4, 4)))
+
+
 def ones() -> Field:
     """The cells of ones and minus ones."""
     parts = [np.where(corners(number), 1.0, -1.0) for number in range(256)]
@@ -122,6 +139,7 @@ def cases(seed: int = 0) -> list[Case]:
     for name, bits in STEPS.items():
         tags = {"trilinear", "full"} if bits > 12 else {"trilinear"}
         made.append(_case(name, partial(tunnels, bits, seed), 8 * 1152, tags))
+    made.append(_case("faces", faces, 8 * 48, {"trilinear"}))
     made.append(_case("ones", ones, 8 * 256, {"ties"}))
     made.append(_case("bodies", bodies, 8 * BODY_SADDLES, {"ties"}))
     return made

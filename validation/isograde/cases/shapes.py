@@ -11,7 +11,10 @@ thin    an axis of one, two or three samples, each axis in turn
 mixed   three different lengths in every order
 long    an axis beyond 65,536 samples, with noise at both its ends; nothing between
 deep    noise in the last samples of a field whose lattice edges have numbers beyond 2 ** 24
+ends    lengths about 256, where blocks of 8 to 256 cells leave one cell over, two, or none; near
+        with crossings close to the low samples, so that vertices are close to each other
 many    more than 65,536 vertices
+dense   more than 400,000: of 32-bit hashes of their edges some would be equal, whatever the hash
 specks  343 pieces, each round one sample
 """
 
@@ -45,7 +48,10 @@ LONG = 2**16 + ENDS
 # Three times the number of the last samples is beyond 2 ** 24, and there are few cells.
 DEEP = (2, 1676, 1676)
 PATCH = 12
+LENGTHS = (256, 257, 258, 259)
+NEAR = 2.0**-13
 MANY = (36, 38, 40)
+DENSE = (64, 66, 68)
 HUGE = (226, 226, 226)
 
 
@@ -77,6 +83,18 @@ def many(name: str, seed: int, shape: Shape) -> Field:
     return Field.of(integers(name, seed, shape, 0, 2).astype(np.uint8))
 
 
+def ends(name: str, seed: int, length: int, axis: int) -> Field:
+    """Noise along an axis, two samples wide across."""
+    values = gentle(name, seed, (length, 2, 2))
+    return Field.of(np.ascontiguousarray(np.moveaxis(values, 0, axis)))
+
+
+def near(name: str, seed: int, axis: int) -> Field:
+    """Noise along an axis whose low samples are close to the isovalue."""
+    values = ends(name, seed, 258, axis).values
+    return Field.of(np.where(values > 0, values, values * NEAR))
+
+
 def specks(name: str, seed: int) -> Field:
     """A high sample at every second place in every direction, none at the border."""
     values = -np.abs(gentle(name, seed, (15, 15, 15)))
@@ -91,9 +109,13 @@ def cases(seed: int = 0) -> list[Case]:
     for axis in range(3):
         name = f"shapes/long-{axis}"
         made.append(_large(name, partial(long, name, seed, axis), 0.0, LONG * 16))
+        made.append(_end(f"shapes/near-{axis}", partial(near, f"shapes/near-{axis}", seed, axis)))
+        for length in LENGTHS:
+            name = f"shapes/ends-{length}-{axis}"
+            made.append(_end(name, partial(ends, name, seed, length, axis)))
     made.append(_deep("shapes/deep", seed))
-    name = "shapes/many"
-    made.append(_large(name, partial(many, name, seed, MANY), 0.5, int(np.prod(MANY))))
+    for name, shape in (("shapes/many", MANY), ("shapes/dense", DENSE)):
+        made.append(_large(name, partial(many, name, seed, shape), 0.5, int(np.prod(shape))))
     name = "shapes/huge"
     build = partial(many, name, seed, HUGE)
     made.append(_large(name, build, 0.5, int(np.prod(HUGE)), "full"))
@@ -112,6 +134,11 @@ def _noise(name: str, seed: int, shape: Shape) -> Case:
     """White noise of this shape."""
     build = partial(white, name, seed, shape)
     return Case(name, build, (0.0,), int(np.prod(shape)), frozenset({"shapes"}), only=CHEAP)
+
+
+def _end(name: str, build: partial[Field]) -> Case:
+    """A case that is long and thin, of which only what costs little is judged."""
+    return Case(name, build, (0.0,), 4 * 258, frozenset({"shapes", "noise"}), only=CHEAP)
 
 
 def _deep(name: str, seed: int) -> Case:

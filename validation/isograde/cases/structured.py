@@ -91,6 +91,10 @@ def cases(seed: int = 0) -> list[Case]:
         ("first", (1.0, 2.0, 0.5)),
         ("second", (2.0, 1.0, 0.5)),
         ("third", (0.5, 2.0, 1.0)),
+        ("but-first", (0.5, 2.0, 2.0)),
+        ("but-second", (2.0, 0.5, 2.0)),
+        ("but-third", (2.0, 2.0, 0.5)),
+        ("nanometres", (4e-9, 4e-9, 3e-8)),
     ):
         name = f"structured/spacing-{word}"
         made.append(_case(name, partial(spaced, name, seed, spacing), 120))

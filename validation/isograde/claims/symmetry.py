@@ -616,7 +616,9 @@ def two_components(kind: Kind) -> bool:
     return kind.m > 1
 
 
-LAYOUTS = ("fortran", "strided", "backwards", "swapped", "read-only", "mapped", "stride-0")
+LAYOUTS = (
+    "fortran", "strided", "cropped", "backwards", "swapped", "read-only", "mapped", "stride-0",
+)  # fmt: skip
 
 
 def _claim(

@@ -234,6 +234,9 @@ posed_vertices = posed_vertices - {cells} * np.array(spacing)
 LAYOUTS = {
     "fortran": "posed_values = np.asfortranarray(posed_values)",
     "strided": "posed_values = np.repeat(np.repeat(posed_values, 2, 0), 2, -1)[::2, ..., ::2]",
+    "cropped": "rim = [(1, 2)] * posed_values.ndim\n"
+    "inner = tuple(slice(1, 1 + n) for n in posed_values.shape)\n"
+    "posed_values = np.pad(posed_values, rim)[inner]",
     "backwards": "posed_values = np.array(posed_values[..., ::-1, :], order='C')[..., ::-1, :]",
     "read-only": "posed_values.flags.writeable = False",
     "mapped": "posed_values = np.asfortranarray(posed_values)\n"
