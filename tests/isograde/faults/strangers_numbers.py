@@ -94,7 +94,7 @@ class ForeignColumns(Engine):
         return super().read(values)
 
 
-@stranger("topology.sides")
+@stranger("calls.again", promised=["calls.again"])
 class ConvertedOnce(Engine):
     """The array last asked is kept as converted, and not read again when it was written to."""
 
@@ -112,7 +112,7 @@ class ConvertedOnce(Engine):
         return self.converted
 
 
-@stranger("geometry.crossing")
+@stranger("calls.again", promised=["calls.again"])
 class KeptByPrintedIsovalue(Engine):
     """Answers are kept by all samples, the spacing, and six digits of the isovalue."""
 
@@ -153,7 +153,7 @@ class TwoBuffers(Engine):
         return view, kept
 
 
-@stranger("structure.in_range")
+@stranger("calls.again", promised=["calls.again"])
 class StampOfAByte(Engine):
     """The table of edges is cleared by a stamp of one byte: call 256 meets those of call 1."""
 
@@ -270,13 +270,6 @@ SURVIVORS.update(
         "gaps of `strided` are in every axis, the last one too.",
         "foreign-columns": "Two layouts at once: foreign bytes in the order of Fortran, as a big-"
         "endian NIfTI file has them, or with gaps, or backwards.",
-        "converted-once": "The same array asked again after other samples were written to it.",
-        "kept-by-printed-isovalue": "The same samples asked at isovalues that differ in a seventh "
-        "digit.",
-        "two-buffers": "An answer kept while two or more other fields are asked; and this register "
-        "asks each function once, so that no claim of the family `calls` is judged here.",
-        "stamp-of-abyte": "Some 256 and more calls on fields of one shape, the surface in another "
-        "place each time.",
         "hash-of32-bits": "Meshes of a million vertices: those of the plan are too small to have "
         "two of the same hash, but by chance.",
         "lone-last-layer": "Shapes of a power of two and one to three more samples along an axis, "
