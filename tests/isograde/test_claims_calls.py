@@ -16,12 +16,12 @@ BROKEN = {
     "searching": "calls.growth",
     "hoarding": "calls.growth",
 }
-CLAIMS = ("calls.buffer", "calls.threads", "calls.growth", "calls.leak")
+CLAIMS = ("calls.buffer", "calls.again", "calls.threads", "calls.growth", "calls.leak")
 
 
 @cache
 def judged(spec: str, case: str) -> dict[str, Finding]:
-    """What the four claims say of an implementation behind a real worker."""
+    """What the five claims say of an implementation behind a real worker."""
     worker = Worker.open(spec, Options(limits=Limits(seconds=20)))
     try:
         return dict(worker.judge(Task(case, CLAIMS)).findings)
@@ -68,4 +68,4 @@ def test_who_answers_one_question_at_a_time_is_not_judged() -> None:
     case = all_cases()["cost/surfaces"]
     assert case.kind in SHAPES
     found = [f for _, name, f in grade(Here(correct, Declaration("c")), [case], "calls.")]
-    assert [one.verdict for one in found] == [Verdict.SKIP] * 4
+    assert [one.verdict for one in found] == [Verdict.SKIP] * len(CLAIMS)

@@ -127,18 +127,20 @@ class Case:
 
 
 # How a request is put: once, as most are; or, by adapters that call in their own process, so that
-# a second answer is made before the first is read ("kept"), from several threads at once
-# ("threads"), so many times that what is never given back shows ("many"), timed ("timed"), or by a
-# process that gave back what it could before, so that what the call adds shows ("trimmed").
-Calls = Literal["once", "kept", "threads", "many", "timed", "trimmed"]
+# other answers are made before the first is read ("kept"), again and again in one array that is
+# written over in between ("again"), from several threads at once ("threads"), so many times that
+# what is never given back shows ("many"), timed ("timed"), or by a process that gave back what it
+# could before, so that what the call adds shows ("trimmed").
+Calls = Literal["once", "kept", "again", "threads", "many", "timed", "trimmed"]
 
 
 @dataclass(frozen=True)
 class Request:
     """One question to the implementation, and how it is called.
 
-    Of "threads" the answer that differs from the first comes back, where there is one. Of "many"
-    the outcome's `peak_bytes` are those by which the process grew; of "timed" its `seconds` are the
+    Of "threads" and "again" the answer that differs from the first comes back, where there is one;
+    where time was too short for all of "again", the outcome's `detail` says so. Of "many" the
+    outcome's `peak_bytes` are those by which the process grew; of "timed" its `seconds` are the
     processor's, the least of three calls. Who declares to be given a function gets `function`, or
     the interpolant of the samples where there is none.
     """

@@ -566,7 +566,13 @@ SIMPLE: tuple[Variant, ...] = (
         for word, step in STEPS.items()
         for sign, way in (("-", -1), ("+", 1))
     ),
-    Variant("kept", "the answer as it is after another field was asked", _repeat, calls="kept"),
+    Variant("kept", "the answer as it is after other fields were asked", _repeat, calls="kept"),
+    Variant(
+        "again",
+        "shifted, and asked again in one array after hundreds of other questions",
+        _shift,
+        calls="again",
+    ),
     Variant("threads", "asked from four threads at once", _repeat, calls="threads"),
     Variant("many", "asked many times in one process", _repeat, calls="many"),
     Variant("timed", "timed, the best of three", _repeat, calls="timed"),

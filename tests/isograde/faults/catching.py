@@ -17,12 +17,14 @@ from tests.isograde.judging import Here
 SMALL = 5_000
 #: Families of hundreds of cases.
 LONG = ("cells", "pairs", "trilinear")
+#: How an extractor can be asked in this process, beside once: ways that leave nothing behind.
+WAYS = ("kept", "again")
 
 
 def worker_of(fault: Fault, seed: int = 0) -> Worker:
     """A worker that judges the fault, made anew."""
     declared = declaration_from({**fault.declares}, fault.name)
-    adapter = Here(fault.make(), declared)
+    adapter = Here(fault.make(), declared, WAYS if fault.first.startswith("calls.") else ())
     return Worker(adapter, declared, cases_for(declared, seed), claims_for(declared))
 
 

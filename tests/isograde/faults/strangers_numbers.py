@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
-from tests.isograde.faults.registry import SURVIVORS, fault
+from tests.isograde.faults.registry import fault
 
 stranger = partial(fault, level=3)
 
@@ -72,7 +72,7 @@ class ForeignColumns(Engine):
         return super().read(values)
 
 
-@stranger("topology.sides")
+@stranger("calls.again", promised=["calls.again"])
 class ConvertedOnce(Engine):
     """The array last asked is kept as converted, and not read again when it was written to."""
 
@@ -90,7 +90,7 @@ class ConvertedOnce(Engine):
         return self.converted
 
 
-@stranger("geometry.crossing")
+@stranger("calls.again", promised=["calls.again"])
 class KeptByPrintedIsovalue(Engine):
     """Answers are kept by all samples, the spacing, and six digits of the isovalue."""
 
@@ -131,7 +131,7 @@ class TwoBuffers(Engine):
         return view, kept
 
 
-@stranger("structure.in_range")
+@stranger("calls.again", promised=["calls.again"])
 class StampOfAByte(Engine):
     """The table of edges is cleared by a stamp of one byte: call 256 meets those of call 1."""
 
@@ -234,16 +234,3 @@ class WeldedInMetres(Engine):
         welded = number.reshape(-1)[triangles]
         kept = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
         return world[first], welded[kept]
-
-
-SURVIVORS.update(
-    {
-        "converted-once": "The same array asked again after other samples were written to it.",
-        "kept-by-printed-isovalue": "The same samples asked at isovalues that differ in a seventh "
-        "digit.",
-        "two-buffers": "An answer kept while two or more other fields are asked; and this register "
-        "asks each function once, so that no claim of the family `calls` is judged here.",
-        "stamp-of-abyte": "Some 256 and more calls on fields of one shape, the surface in another "
-        "place each time.",
-    }
-)

@@ -34,10 +34,11 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations, cycle, islice
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +146,7 @@ def _call(
         extract = partial(extract, function=pickle.loads(base64.b64decode(header["function"])))
     if "directions" in header:
         extract = partial(extract, directions=np.array(header["directions"]))
-    asked = Asked(extract, given, places, kind, memory)
+    asked = Asked(extract, given, places, kind, memory, header["seconds"])
     status, detail, arrays = _outcome(asked, header["calls"])
     cost = {"seconds": asked.seconds, "processor": asked.processor, "peak": asked.bytes}
     report: Header = {"status": status, "detail": detail, **cost}
@@ -155,7 +156,8 @@ def _call(
 def _outcome(asked: Asked, calls: str) -> tuple[Status, str, Arrays]:
     """What the implementation did. An exit is let through: it ends the process, as it would."""
     try:
-        return Status.OK, "", WAYS[calls](asked)
+        arrays = WAYS[calls](asked)
+        return Status.OK, asked.told, arrays
     except AnswerError as error:
         return error.status, clean(error, SENT), []
     except MemoryError as error:
@@ -203,12 +205,22 @@ WARM, MANY = 12, 40
 TIMES = 3
 # Stop asking again after so many seconds; and do not say what many calls leave where few were made.
 SLOW, FEW = 2.0, 8
+# An answer is kept while so many other fields are asked, and then so many that are larger.
+OTHERS, LARGER = 6, 2
+# No further call is made once so much of the time limit is over.
+SHARE = 0.3
+# Calls after which a store of 128 answers has forgotten one; values of a stamp of one byte, and a
+# number that has no divisor in common with the number of samples; how near an isovalue is close by.
+FORGOTTEN, PERIOD, PRIME = 130, 256, 7919
+CLOSE = 1e-9
 
 
 @dataclass
 class Asked:
     """An implementation and a request, and what the last call cost.
 
+    limit : seconds that all calls of the request may take
+    told : what was not done of the way it was to be put, or nothing
     seconds : that it took; of the processor, for a timed request
     processor : seconds of the processors, of all threads
     bytes : by which the resident memory grew meanwhile; of many calls, what they left behind
@@ -219,6 +231,8 @@ class Asked:
     places: tuple[tuple[float, ...], tuple[float, ...]]
     kind: Kind
     memory: Memory
+    limit: float
+    told: str = ""
     seconds: float = 0.0
     processor: float = 0.0
     bytes: int = 0
@@ -246,6 +260,14 @@ class Asked:
         first = self.given.ndim - self.kind.n
         return np.ascontiguousarray(np.flip(self.given, tuple(range(first, self.given.ndim))))
 
+    def others(self) -> Iterator[NDArray[Any]]:
+        """The samples in other orders, which have answers as large; then larger fields."""
+        axes = range(-self.kind.n, 0)
+        turns = [some for size in range(self.kind.n, 0, -1) for some in combinations(axes, size)]
+        for number, turn in enumerate(islice(cycle(turns), OTHERS + LARGER)):
+            field = np.ascontiguousarray(np.flip(self.given, turn))
+            yield field if number < OTHERS else np.concatenate([field, field], axis=axes[0])
+
 
 def _once(asked: Asked) -> Arrays:
     """The answer."""
@@ -253,10 +275,86 @@ def _once(asked: Asked) -> Arrays:
 
 
 def _kept(asked: Asked) -> Arrays:
-    """The answer as it is after another field was asked."""
+    """The answer as it is after other fields were asked, at least one and as many as time allows.
+
+    Who gives out buffers by turns writes over the first only when they have all been used.
+    """
+    end = time.monotonic() + SHARE * asked.limit
     answer = asked.answer(asked.given)
-    asked.answer(asked.another)
+    for number, field in enumerate(asked.others()):
+        if number and time.monotonic() > end:
+            break
+        asked.answer(field)
     return asked.arrays(answer)
+
+
+def _again(asked: Asked) -> Arrays:
+    """The first answer that differs from that for a fresh copy of the samples, else the last.
+
+    All that comes after it is asked about one array, which is written over in between (`_course`).
+    Once three tenths of the time limit are over, the rest is not asked, and `Asked.told` says so;
+    but the question itself is asked at least once more, unless a single call takes that long.
+    """
+    given, (isovalues, spacing) = asked.given, asked.places
+    if not given.flags.writeable:
+        raise NotImplementedError("its samples cannot be written over")
+    end, real = time.monotonic() + SHARE * asked.limit, given.copy(order="K")
+    found = first = [np.array(array) for array in asked.arrays(asked.answer(real))]
+    calls, repeated = 0, False
+    try:
+        for number, (samples, levels) in enumerate(_course(real, isovalues, asked.kind.n), 1):
+            question = samples is real and levels == isovalues
+            if time.monotonic() > end and (repeated or not question or not calls):
+                asked.told = f"it is too slow: {calls} of {number} questions were asked"
+                continue
+            given[...] = samples
+            answer, calls = asked.extract(given, levels, spacing), calls + 1
+            if question:
+                found, repeated = asked.arrays(answer), True
+                if len(found) != len(first) or not all(map(np.array_equal, found, first)):
+                    break
+    finally:
+        given[...] = real
+    return found
+
+
+Question = tuple[NDArray[Any], tuple[float, ...]]
+
+
+def _course(real: NDArray[Any], isovalues: tuple[float, ...], n: int) -> Iterator[Question]:
+    """Questions that end with the real one, in the midst of which it is asked as well.
+
+    Most fields have a single sample on the other side of the isovalue, so that they cost little,
+    each at another place. After enough of them that an answer is no longer kept, the real samples
+    are asked at an isovalue that differs in the last digits, and then at their own. Then come their
+    two halves, and the real question again 256 calls after the one and 255 after the other, while
+    hardly anything else was asked where they are: a table of edges that is cleared by a stamp of a
+    byte, with zero among the stamps or without, has the vertices of one of the halves.
+    """
+    axes, length = tuple(range(-n, 0)), real.shape[-n]
+    low, high = real.min(axis=axes, keepdims=True), real.max(axis=axes, keepdims=True)
+    sizes = np.ravel(high.astype(np.float64) - low)
+    close = tuple(
+        max(level + CLOSE * float(size), float(np.nextafter(level, np.inf)))
+        for level, size in zip(isovalues, sizes, strict=True)
+    )
+    first = np.arange(length).reshape(-1, *[1] * (n - 1)) < length // 2
+
+    yield from ((_spike(low, high, real, one), isovalues) for one in range(FORGOTTEN))
+    yield real, close
+    yield real, isovalues
+    yield np.where(first, low, real), isovalues
+    yield np.where(first, real, low), isovalues
+    yield from ((_spike(low, high, real, one), isovalues) for one in range(PERIOD - 2))
+    yield real, isovalues
+
+
+def _spike(low: NDArray[Any], high: NDArray[Any], real: NDArray[Any], number: int) -> NDArray[Any]:
+    """The least samples of `real`, but at a place that the number tells the largest."""
+    count = real.size // low.size
+    field = np.repeat(low.reshape(-1, 1), count, axis=1)
+    field[:, PRIME * number % count] = high.reshape(-1)
+    return field.reshape(real.shape)
 
 
 def _from_threads(asked: Asked) -> Arrays:
@@ -336,6 +434,7 @@ def _give_back() -> None:
 WAYS: dict[str, Callable[[Asked], Arrays]] = {
     "once": _once,
     "kept": _kept,
+    "again": _again,
     "threads": _from_threads,
     "many": _many,
     "timed": _timed,

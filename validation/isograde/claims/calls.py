@@ -1,10 +1,12 @@
 """Claims on calls one after another and side by side, and on what they cost.
 
-A caller keeps an answer while asking for the next, asks from several threads, asks a thousand
-times, asks about a field eight times as large. A program that returns a buffer of its own, that
-keeps what is being made in a global, that never gives memory back, or that looks for a vertex in a
-list of all vertices is right on every field of this plan, and unfit for use. Adapters that call in
-a process of their own can tell (`isograde.model.Calls`); of others nothing is said.
+A caller keeps an answer while asking for the next ones, writes the next volume into the array of
+the last, moves the isovalue a little, asks from several threads, asks a thousand times, asks about
+a field eight times as large. A program that returns a buffer of its own, that knows a field again
+by its array or an isovalue by its first digits, that keeps what is being made in a global, that
+never gives memory back, or that looks for a vertex in a list of all vertices is right on every
+field of this plan, and unfit for use. Adapters that call in a process of their own can tell
+(`isograde.model.Calls`); of others nothing is said.
 
 Costs are measured: the processor's time, not the clock's, and resident memory. Their bounds leave
 room for noise and for what is fixed a call. Whoever searches all vertices for each new one takes 64
@@ -17,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from isograde.claims.evidence import VERDICT_OF, failed, passed, skipped
-from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial
+from isograde.model import Claim, Finding, Judge, Outcome, Status, Trial, Verdict
 
 DESIGN = "isograde design: concurrent calls, large fields with memory and time that grow as work"
 COST = frozenset({"cost"})
@@ -34,8 +36,20 @@ LEAK = 1 << 20
 
 
 def buffer(trial: Trial) -> Finding:
-    """Pass when the arrays are the same after another field was asked."""
-    return _same(trial, "kept", "its answer changed when another field was asked: it is no copy")
+    """Pass when the arrays are the same after other fields were asked."""
+    return _same(trial, "kept", "its answer changed when other fields were asked: it is no copy")
+
+
+def again(trial: Trial) -> Finding:
+    """Pass when a question that is asked again, among hundreds of others, gets the same arrays.
+
+    The field is the shifted one, since digits of an isovalue are told from the first that is not
+    zero. Who is too slow for all the questions cannot pass.
+    """
+    found = _same(trial, "again", "the same question got another answer later", "shift")
+    if found.verdict is Verdict.PASS and (told := trial.outcomes["again"].detail):
+        return skipped(told)
+    return found
 
 
 def threads(trial: Trial) -> Finding:
@@ -43,13 +57,14 @@ def threads(trial: Trial) -> Finding:
     return _same(trial, "threads", "an answer differs when several threads ask at once")
 
 
-def _same(trial: Trial, name: str, told: str) -> Finding:
-    """Pass when this variant has the arrays of the plain answer, number for number."""
-    outcome = trial.outcomes.get(name)
-    if told_why := _unasked(outcome):
+def _same(trial: Trial, name: str, told: str, once: str = "plain") -> Finding:
+    """Pass when this variant has the arrays of the one asked once, number for number."""
+    asked, outcome = trial.outcomes.get(once), trial.outcomes.get(name)
+    if told_why := _unasked(asked) or _unasked(outcome):
         return told_why
+    assert asked is not None
     assert outcome is not None
-    plain, other = _arrays(trial.plain), _arrays(outcome)
+    plain, other = _arrays(asked), _arrays(outcome)
     if not len(plain[1]):
         return skipped("the answer is empty")
     if all(map(np.array_equal, plain, other)):
@@ -147,7 +162,15 @@ def _claim(name: str, rule: str, judge: Judge, *asked: str) -> Claim:
 
 
 CLAIMS = (
-    _claim("buffer", "An answer stays as it is when another field is asked.", buffer, "kept"),
+    _claim("buffer", "An answer stays as it is when other fields are asked.", buffer, "kept"),
+    _claim(
+        "again",
+        "The same question gets the same arrays: after other samples were written into its array, "
+        "after another isovalue close by, and 255 and 256 calls later.",
+        again,
+        "shift",
+        "again",
+    ),
     _claim("threads", "Several threads that ask at once get the same arrays.", threads, "threads"),
     _claim(
         "growth",

@@ -503,7 +503,11 @@ TURNED = 0.999
 
 
 def normals_of_stretched(trial: Trial) -> Finding:
-    """Pass when the normals that came at an uneven spacing are those of the stretched surface."""
+    """Pass when the normals that came at an uneven spacing are those of the stretched surface.
+
+    Where the field has no slope there is no normal, and zero or no number may come: vertices where
+    either answer has that are not compared.
+    """
     posed, other = variants.pose("spacing", trial.case, trial.field), trial.outcomes.get("spacing")
     if posed is None or other is None or other.status is not Status.OK:
         return skipped("it was not asked at another spacing")
@@ -525,13 +529,17 @@ def normals_of_stretched(trial: Trial) -> Finding:
     # A surface that is stretched has normals that are shrunk.
     wanted, found = trial.plain.normals[used] / factors, other.normals[used].astype(np.float64)
     sizes = np.linalg.norm(wanted, axis=1) * np.linalg.norm(found, axis=1)
-    cosine = (wanted * found).sum(axis=1) / np.maximum(sizes, 1e-300)
+    known = np.isfinite(sizes) & (sizes > 0)
+    if not known.any():
+        return skipped("every normal that could be compared is zero, or not finite")
+    wanted, found, sizes, points = wanted[known], found[known], sizes[known], points[known]
+    cosine = (wanted * found).sum(axis=1) / sizes
     bad = np.flatnonzero(~(cosine >= TURNED))
     if not len(bad):
-        return passed(normals=len(used))
+        return passed(normals=len(points))
     worst = np.degrees(np.arccos(np.clip(np.nanmin(cosine), -1, 1)))
     return failed(
-        f"spacing: {len(bad)} of {len(used)} normals are not those of the stretched surface, the "
+        f"spacing: {len(bad)} of {len(points)} normals are not those of the stretched surface, the "
         f"first at index {place(points[bad[0]])}; the worst is off by {worst:.0f} degrees",
         variant="spacing",
         wrong=len(bad),

@@ -281,12 +281,49 @@ BUFFER = """
 wrong, other = [], np.ascontiguousarray(np.flip(values, range(-{n}, 0)))
 answer = extract({values})
 kept = [part.copy() for part in arrays(answer, {n}, {k})]
-extract({other})
+for _ in range({others}):
+    extract({other})
 for what, before, now in zip(("vertices", "simplices"), kept, arrays(answer, {n}, {k})):
     if not np.array_equal(before, now):
         same = before.shape == now.shape
         where = f", row {{np.argwhere(before != now)[0][0]}} first" if same else ""
-        wrong.append(f"the {{what}} changed when another field was asked{{where}}")
+        wrong.append(f"the {{what}} changed when other fields were asked{{where}}")
+"""
+AGAIN = """
+step = 2.0 ** np.ceil(np.log2(np.abs(values).max()))
+question, level = values + step, tuple(one + step for one in isovalue)
+close = tuple(one + {close} * np.ptp(question) for one in level)
+axes, count = tuple(range(-{n}, 0)), question.size // len(level)
+low, high = (edge(axes, keepdims=True) for edge in (question.min, question.max))
+below = (np.arange(question.shape[-{n}]) < question.shape[-{n}] // 2).reshape(-1, *[1] * ({n} - 1))
+values, isovalue, wrong = question.copy(), level, []
+alone = [part.copy() for part in arrays(extract({values}), {n}, {k})]
+
+
+def among_others(many):  # In one array: fields of one high sample, each at another place.
+    for number in range(many):
+        each = np.repeat(low.reshape(-1, 1), count, axis=1)
+        each[:, {prime} * number % count] = high.reshape(-1)
+        values[...] = each.reshape(values.shape)
+        extract({values})
+
+
+def ask(when):
+    values[...] = question
+    if not all(map(np.array_equal, alone, arrays(extract({values}), {n}, {k}))):
+        wrong.append(f"another answer {{when}} than alone")
+
+
+among_others({forgotten})
+values[...], isovalue = question, close
+extract({values})
+isovalue = level
+ask("after other samples in the same array, and an isovalue close by,")
+for half in (np.where(below, low, question), np.where(below, question, low)):
+    values[...] = half
+    extract({values})
+among_others({period} - 2)
+ask("255 and 256 calls after its halves")
 """
 THREADS = """
 wrong, other = [], np.ascontiguousarray(np.flip(values, range(-{n}, 0)))

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from isograde.adapters.worker import MANY
+from isograde.adapters.worker import CLOSE, FORGOTTEN, MANY, OTHERS, PERIOD, PRIME
 from isograde.cases import all_cases
 from isograde.cases.accuracy import row
 from isograde.cases.bodies import ISOVALUES
@@ -47,6 +47,7 @@ from isograde.report.shows import (
     WANTED,
 )
 from isograde.report.shows_known import (
+    AGAIN,
     BUFFER,
     COUNT,
     COVERS,
@@ -547,7 +548,8 @@ def _of_order(name: str, case: Case, numbers: Mapping[str, Any]) -> str:
 def _on_calls(claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
     """The lines that ask several times, and look at what the calls do to each other or cost."""
     n, m = case.kind
-    text = {"calls.buffer": BUFFER, "calls.threads": THREADS, "calls.leak": LEAK}.get(claim)
+    texts = {"buffer": BUFFER, "again": AGAIN, "threads": THREADS, "leak": LEAK}
+    text = texts.get(claim.removeprefix("calls."))
     times = 2**n
     if claim == "calls.growth":
         if "seconds" not in numbers:
@@ -563,7 +565,8 @@ def _on_calls(claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
     return text.format(
         values=one.format("values"), other=one.format("other"), n=n, k=n - m, times=times,
         share=calls.WORSE * times, seconds=calls.SECONDS, bytes=calls.BYTES, calls=MANY,
-        least=calls.LEAK,
+        least=calls.LEAK, others=OTHERS, close=CLOSE, forgotten=FORGOTTEN, period=PERIOD,
+        prime=PRIME,
     )  # fmt: skip
 
 
