@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import signal
 import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -245,6 +246,22 @@ def test_of_two_limits_the_first_that_is_over_counts() -> None:
         time.sleep(5)
     with bounds.at_most(60.0):
         pass
+
+
+def test_somebody_elses_clock_goes_on_after_ours() -> None:
+    """It rings no earlier than it would, and to whom it would."""
+    rung: list[int] = []
+    before = signal.signal(signal.SIGALRM, lambda number, _: rung.append(number))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with bounds.hearing(0.01), bounds.at_most(60.0):
+            time.sleep(0.05)
+        assert not rung
+        time.sleep(0.2)
+        assert rung == [signal.SIGALRM]
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_no_text_of_an_implementation_breaks_a_report(tmp_path: Path) -> None:

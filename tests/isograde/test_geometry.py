@@ -141,6 +141,21 @@ def test_a_lattice_of_its_own_is_held_to_its_reach() -> None:
         assert judged("vertices", one).verdict is wanted
 
 
+def test_a_cap_of_a_lattice_of_its_own_comes_as_far_inwards_as_its_reach() -> None:
+    """Labels smoothed by pyvista, all of them inside: the shell, half a cell outside, shrinks."""
+    said = {"vertices": {"own": 1.0}, "domain": {"inset": -0.5, "end": "closed"}}
+    declared = declaration_from({**said, "interpolant": "labels"}, "smooth")
+    field = Field.of(np.ones((5, 5, 5)))
+    shell = np.array([[2, 2, 0], [2, 0, 2], [0, 2, 2], [2, 2, 4], [2, 4, 2], [4, 2, 2]], float)
+    faces = [[a, b, c] for a in (0, 3) for b in (1, 4) for c in (2, 5)]
+    for inwards, verdict in [(-0.5, "PASS"), (0.45, "PASS"), (0.6, "FAIL"), (-1.6, "FAIL")]:
+        moved = shell + inwards * np.sign(2 - shell) * (shell != 2)
+        found = judged("vertices", of(field, moved, faces, declared))
+        assert found.verdict is Verdict[verdict], (inwards, found.detail)
+    outside = of(Field.of(-np.ones((5, 5, 5))), shell, faces, declared)
+    assert judged("vertices", outside).verdict is Verdict.FAIL
+
+
 def test_only_tied_samples_excuse_and_only_there() -> None:
     """A vertex in the middle of a face is out of place; a tie excuses it beside it, not far off."""
     values = noise(3, (7, 7, 7))

@@ -171,3 +171,11 @@ def test_a_facet_is_at_the_border_up_to_its_slack() -> None:
     for far, expected in ((1.0, True), (2.0, False)):
         places = np.array([[far * lattice.tolerance, 0.5]])
         assert lattice.on_border(places, np.array([[0]])).tolist() == [expected]
+
+
+def test_a_crossing_between_the_last_sample_and_the_first_ties_on_a_line_too() -> None:
+    """In one dimension the ends of a periodic axis are single samples."""
+    declared = Declaration("one", domain=(End(0.0, "periodic"),))
+    lattice = Lattice.of(Field.of([1.0, 1.0, 2.0, -1e-7]), (0.0,), declared)
+    assert lattice.tied.tolist() == [False, False, False, True]
+    assert lattice.beside_tie(np.array([[1.5], [2.5], [0.5]])).tolist() == [False, True, False]

@@ -81,6 +81,19 @@ def test_seconds_of_the_clock_are_not_compared_with_those_of_a_processor() -> No
     assert [len(timing.processor) for timing in mixed] == [2, 0]
 
 
+def test_who_is_slow_is_asked_twice_and_compared_over_both_rounds() -> None:
+    """In a round that it is not in, the others are asked as before."""
+    seconds = iter([1.0, 2.0, 4.0, 5.0])
+    slow, fast = in_turn(
+        {"slow": lambda: Cost(3.0), "fast": lambda: Cost(next(seconds))}, 4, enough=5
+    )
+    assert slow.seconds == (3.0, 3.0)
+    assert fast.seconds == (1.0, 2.0, 4.0, 5.0)
+    assert slow.over(fast)[0] == (3.0 + 1.5) / 2
+    assert fast.over(slow)[0] == (1 / 3 + 2 / 3) / 2
+    assert len(in_turn({"a": lambda: Cost(2.0)}, 4, enough=5)[0].seconds) == 4
+
+
 def test_no_round_is_begun_after_the_time_but_the_least_are_made() -> None:
     """A slow call costs so many rounds, and no more."""
 

@@ -12,7 +12,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import FrameType
 
 from isograde.model import Outcome
@@ -21,7 +21,8 @@ from isograde.model import Outcome
 LEAST, A_SAMPLE = 20_000, 1000
 # Give a claim up on one case after so many seconds.
 SECONDS = 120.0
-AGAIN = 0.2
+# Look so often whether that is over.
+TICK = 0.2
 
 
 class GivenUp(Exception):  # noqa: N818 - a limit, not an error
@@ -41,49 +42,60 @@ def beyond(outcome: Outcome, samples: int) -> str:
 
 
 class _Clock:
-    """The system's clock for this process; where it has none, and for other threads, never one.
+    """The system's clock, which rings again and again while something is timed.
 
-    limits : seconds of what is timed now, the innermost last
-    heard : who hears it ring is settled
+    limits : when each limit that is open is over, and of how many seconds it is
+    heard : it rings now
     """
 
     def __init__(self) -> None:
-        self.limits: list[float] = []
+        self.limits: list[tuple[float, float]] = []
         self.heard = False
 
     def there(self) -> bool:
-        """Whether it can ring here."""
+        """Whether it can ring here: the system has one, and this is the main thread."""
         main = threading.current_thread() is threading.main_thread()
         return main and hasattr(signal, "SIGALRM")
 
     def ring(self, number: int, frame: FrameType | None) -> None:
-        """Raise `GivenUp`, where something is timed."""
+        """Raise `GivenUp` where a limit is over, the one that was over first."""
         del number, frame
-        if self.limits:
-            raise GivenUp(f"given up: judging it took more than {self.limits[-1]:g} s")
+        if not self.limits:
+            return
+        end, seconds = min(self.limits)
+        if time.monotonic() >= end:
+            raise GivenUp(f"given up: judging it took more than {seconds:g} s")
 
 
 _CLOCK = _Clock()
 
 
 @contextmanager
-def hearing() -> Iterator[None]:
-    """Every `at_most` inside rings here; to settle that for each takes longer than many a claim."""
+def hearing(tick: float = TICK) -> Iterator[None]:
+    """The clock rings every so many seconds; to start it for each `at_most` would take longer.
+
+    What is inside may take one ring for its own, so it goes on ringing.
+    """
     if _CLOCK.heard or not _CLOCK.there():
         yield
         return
+    start = time.monotonic()
     before = signal.signal(signal.SIGALRM, _CLOCK.ring)
+    left, again = signal.setitimer(signal.ITIMER_REAL, tick, tick)
     _CLOCK.heard = True
     try:
         yield
     finally:
         _CLOCK.heard = False
+        # Somebody else's clock goes on.
+        rest = max(1e-3, left - (time.monotonic() - start)) if left else 0.0
+        signal.setitimer(signal.ITIMER_REAL, rest, again)
         signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
-    """What is done inside raises `GivenUp` when it takes longer.
+    """What is done inside raises `GivenUp` when it takes longer, to within `TICK`.
 
     Where the system has no such clock, and outside the main thread, it takes as long as it takes.
     One inside another ends with whichever is over first.
@@ -91,20 +103,10 @@ def at_most(seconds: float) -> Iterator[None]:
     if seconds == math.inf or not _CLOCK.there():
         yield
         return
-    left, _ = signal.getitimer(signal.ITIMER_REAL)
-    if left and left <= seconds:
-        yield  # The clock outside is over first.
-        return
-    with hearing():
-        start = time.monotonic()
-        _CLOCK.limits.append(seconds)
-        # Ring again and again: what is inside may have taken the first for its own.
-        signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
+    with nullcontext() if _CLOCK.heard else hearing(min(TICK, seconds)):
+        limit = time.monotonic() + seconds, seconds
+        _CLOCK.limits.append(limit)
         try:
             yield
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            _CLOCK.limits.pop()
-            if left:
-                rest = max(1e-3, left - (time.monotonic() - start))
-                signal.setitimer(signal.ITIMER_REAL, rest, AGAIN)
+            _CLOCK.limits.remove(limit)

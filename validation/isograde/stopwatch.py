@@ -30,6 +30,7 @@ import psutil
 QUIET = 0.1
 # Of fewer seconds the ticks of the processors' clocks tell nothing.
 TELLING = 0.5
+TWICE = 2
 
 
 class Cost(NamedTuple):
@@ -65,11 +66,12 @@ class Timing:
     def over(self, other: Timing) -> tuple[float, float, float]:
         """The median of the ratios to another contestant round by round, and their quartiles.
 
-        Of processor time, where it is known of both; else of the clock.
+        Of processor time, where it is known of both; else of the clock. Of the rounds that both
+        were asked in, for who is slow is asked in fewer (`in_turn`).
         """
         known = bool(self.processor and other.processor)
         own, theirs = (t.processor if known else t.seconds for t in (self, other))
-        return quartiles([a / b for a, b in zip(own, theirs, strict=True)])
+        return quartiles([a / b for a, b in zip(own, theirs, strict=False)])
 
     def shown(self, digits: int = 4, scale: float = 1.0) -> str:
         """The median, times `scale`, with the least and the largest of the rounds.
@@ -164,11 +166,17 @@ def _own() -> float:
     return total
 
 
-def interleave(contestants: Mapping[str, Callable[[], object]], rounds: int = 5) -> list[Timing]:
-    """One `Timing` a contestant, run in this process, in turn, after one warm-up each."""
+def interleave(
+    contestants: Mapping[str, Callable[[], object]], rounds: int = 5, *, enough: float = math.inf
+) -> list[Timing]:
+    """One `Timing` a contestant, run in this process, in turn, after one warm-up each.
+
+    enough : as in `in_turn`
+    """
     for run in contestants.values():
         run()
-    return in_turn({name: timed(run) for name, run in contestants.items()}, rounds)
+    costs = {name: timed(run) for name, run in contestants.items()}
+    return in_turn(costs, rounds, enough=enough)
 
 
 def in_turn(
@@ -177,6 +185,7 @@ def in_turn(
     *,
     seconds: float = math.inf,
     least: int = 3,
+    enough: float = math.inf,
 ) -> list[Timing]:
     """One `Timing` a contestant of calls that tell what they cost, asked in turn `rounds` times.
 
@@ -185,6 +194,7 @@ def in_turn(
     always be the same.
 
     seconds : no further round is begun after so many, but `least` rounds are made
+    enough : who has taken so many in two rounds is not asked in another
     """
     if not contestants or rounds < 1:
         raise ValueError("name at least one contestant and one round")
@@ -194,6 +204,8 @@ def in_turn(
         if turn >= least and time.monotonic() - begun > seconds:
             break
         for name in order:
+            if turn >= TWICE and sum(cost.seconds for cost in costs[name][:TWICE]) > enough:
+                continue
             gc.collect()
             costs[name].append(contestants[name]())
     median = statistics.median(cost.seconds for cost in next(iter(costs.values())))

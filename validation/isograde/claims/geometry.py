@@ -196,6 +196,9 @@ def _ends(lattice: Lattice, places: Floats) -> tuple[Booleans, Booleans]:
         if end.inset < 0 or end.end == "closed":
             # A cap's vertex just beyond a sample may be rounded into the sample's plane.
             near = lattice.tolerance if end.end == "closed" and end.inset < 0 else 0.0
+            if end.end == "closed" and lattice.declared.vertices == "own":
+                # A cap's vertices come as far into the samples as their reach lets them.
+                near = max(near, end.inset + lattice.declared.reach)
             at |= x < near
             at |= x > last[axis] + (end.end == "periodic") - near
         if end.end == "closed":

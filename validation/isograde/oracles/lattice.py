@@ -243,7 +243,7 @@ class Lattice:
 
     def _tie_across(self, tied: Booleans, values: list[Array], axis: int) -> None:
         """Mark the samples that a crossing between the last plane and the first ties."""
-        ends = [tuple([slice(None)] * axis + [end]) for end in (-1, 0)]
+        ends = [tuple([slice(None)] * axis + [end]) for end in (slice(-1, None), slice(0, 1))]
         for c, level in enumerate(self.isovalues):
             where = np.nonzero(self.sides[c][ends[0]] != self.sides[c][ends[1]])
             last, first = (values[c][end][where] for end in ends)
@@ -274,7 +274,10 @@ class Lattice:
         beside = np.zeros(len(places), bool)
         if not len(places) or not self.tied.any():
             return beside
+        # Look only at places whose nearest sample is not far from a tied one.
         whole = np.rint(places)
+        rows = np.flatnonzero(self._near_tied[tuple(self._sample(whole)[0].T)])
+        places, whole = places[rows], whole[rows]
         places = np.where(np.abs(places - whole) <= self.tolerance, whole, places)
         choices = np.stack(
             [
@@ -283,8 +286,16 @@ class Lattice:
             ]
         )
         for offset in np.ndindex((3,) * self.n):
-            beside |= self.tied[tuple(choices[o, :, a] for a, o in enumerate(offset))]
+            beside[rows] |= self.tied[tuple(choices[o, :, a] for a, o in enumerate(offset))]
         return beside
+
+    @cached_property
+    def _near_tied(self) -> Booleans:
+        """(N1, .., Nn) samples a step or none from a tied one, as if each axis were periodic."""
+        near = self.tied
+        for axis in range(self.n):
+            near = near | np.roll(near, 1, axis) | np.roll(near, -1, axis)
+        return near
 
 
 def components(field: Field) -> list[Array]:

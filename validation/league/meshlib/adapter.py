@@ -21,7 +21,8 @@ def dual(values, isovalue, spacing):
     settings = mrmeshpy.GridToMeshSettings()
     settings.isoValue = isovalue
     settings.voxelSize = mrmeshpy.Vector3f(*spacing)
-    grid = mrmeshpy.simpleVolumeToDenseGrid(volume(values, spacing))
+    low = float(np.nanmin(values)) if values.size else 0.0
+    grid = mrmeshpy.simpleVolumeToDenseGrid(volume(values, spacing), low)
     return arrays(mrmeshpy.gridToMesh(grid, settings))
 
 
