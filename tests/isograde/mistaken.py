@@ -180,6 +180,13 @@ def buffered(*asked: Any) -> Any:
     return store[: len(vertices)], faces
 
 
+def by_array(values: Any, isovalue: float, spacing: Any) -> Any:
+    """The samples of an array are read once, and not again when it was written to."""
+    if KEPT.get("array") is not values:
+        KEPT.update(array=values, samples=values.copy())
+    return correct(KEPT["samples"], isovalue, spacing)
+
+
 def with_globals(values: Any, isovalue: float, spacing: Any) -> Any:
     """The samples are put where every thread finds them, and taken from there a little later."""
     KEPT["values"] = values

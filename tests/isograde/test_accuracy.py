@@ -285,6 +285,20 @@ def test_normals_that_come_with_the_vertices_are_judged() -> None:
     assert trial(CASES["accuracy/sphere"]).plain.normals is None
 
 
+@pytest.mark.parametrize("name", [name for name in QUICK if CASES[name].kind == SURFACES])
+def test_round_bodies_have_a_slope_at_each_vertex(name: str) -> None:
+    """Of "accuracy.normals_returned": that a normal has no length is a fault there.
+
+    By differences of neighbouring samples, the coarsest that anybody takes, it is far from zero.
+    """
+    made = trial(CASES[name])
+    slopes = [np.gradient(made.field.values, axis=axis) for axis in range(3)]
+    points = made.mesh.vertices[np.unique(made.mesh.simplices)] / made.field.spacing
+    at = np.stack([ndimage.map_coordinates(part, points.T, order=1) for part in slopes], axis=1)
+    length = np.linalg.norm(at, axis=1)
+    assert length.min() > 0.3 * np.median(length)
+
+
 def planes(count: int, seed: int = 0) -> Floats:
     """The smallest angles of triangles of planes at random that are cut by a cube, as fans."""
     random, angles = np.random.default_rng(seed), list[float]()

@@ -291,6 +291,7 @@ def test_samples_of_extremes_are_shown_by_themselves(name: str) -> None:
 
 CALLS = {
     "buffered": "calls.buffer",
+    "by_array": "calls.again",
     "with_globals": "calls.threads",
     "leaking": "calls.leak",
     "squaring": "calls.growth",
@@ -310,7 +311,7 @@ def ends(program: str) -> tuple[int, str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CALLS)
 def test_what_calls_do_to_each_other_and_cost_is_shown(name: str) -> None:
-    """In a process of its own: a buffer, a global, a leak, time and memory that are squared."""
+    """In a process of its own: a buffer, an array known again, a global, a leak, squared costs."""
     claim, spec = CALLS[name], f"python:tests.isograde.mistaken:{name}"
     adapter = PythonAdapter(spec)
     try:

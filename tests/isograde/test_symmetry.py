@@ -282,6 +282,36 @@ def test_normals_that_come_know_the_spacing() -> None:
     assert list(said[NormalsOfSamples][claim]) == [Verdict.FAIL]
 
 
+@pytest.mark.parametrize(
+    ("lost", "verdict"),
+    [
+        ("one", Verdict.PASS),
+        ("one is not a number", Verdict.PASS),
+        ("all", Verdict.SKIP),
+        ("all but those that are wrong", Verdict.FAIL),
+    ],
+)
+def test_a_vertex_without_slope_may_have_no_normal(lost: str, verdict: Verdict) -> None:
+    """Of "symmetry.normals_returned": zeros are not compared, and zeros alone are no pass."""
+    from tests.isograde.faults.histories import Normals, NormalsOfSamples
+
+    wrong = "wrong" in lost
+    kind = NormalsOfSamples if wrong else Normals
+
+    class Flat(kind):  # type: ignore[misc, valid-type]
+        """Some normals are zero, or no numbers."""
+
+        def turned(self, normals: Any, spacing: Any) -> Any:
+            """The normals but the first, or none of them."""
+            made = super().turned(normals, spacing)
+            made[: None if lost == "all" else 1] = np.nan if "number" in lost else 0.0
+            return made
+
+    asked = [all_cases()["noise/white-5x6x7"]]
+    said = verdicts(Flat(), Declaration("flat"), asked, "symmetry.normals")
+    assert list(said["symmetry.normals_returned"]) == [verdict]
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_oracle_finds_an_edge_lost_whichever_end_is_named_first(turned: bool) -> None:
     """Of three segments the last; those without extent are no edges."""

@@ -297,7 +297,7 @@ axes, count = tuple(range(-{n}, 0)), question.size // len(level)
 low, high = (edge(axes, keepdims=True) for edge in (question.min, question.max))
 below = (np.arange(question.shape[-{n}]) < question.shape[-{n}] // 2).reshape(-1, *[1] * ({n} - 1))
 values, isovalue, wrong = question.copy(), level, []
-alone = [part.copy() for part in arrays(extract({values}), {n}, {k})]
+alone = [part.copy() for part in arrays(extract({question}), {n}, {k})]
 
 
 def among_others(many):  # In one array: fields of one high sample, each at another place.

@@ -563,7 +563,8 @@ def _on_calls(claim: str, case: Case, numbers: Mapping[str, Any]) -> str:
     assert text is not None, claim
     one = "{0}, isovalue[0], spacing" if m == 1 else "*given({0})"
     return text.format(
-        values=one.format("values"), other=one.format("other"), n=n, k=n - m, times=times,
+        values=one.format("values"), other=one.format("other"),
+        question=one.format("question"), n=n, k=n - m, times=times,
         share=calls.WORSE * times, seconds=calls.SECONDS, bytes=calls.BYTES, calls=MANY,
         least=calls.LEAK, others=OTHERS, close=CLOSE, forgotten=FORGOTTEN, period=PERIOD,
         prime=PRIME,
