@@ -4,9 +4,11 @@ Each is right on the arrays that a test is written with, and wrong on ones that 
 isovalue typed as a whole number, a crop of a larger array, a volume that is written in place, a
 voxel of some nanometres. They were written from the README and `isograde explain` alone.
 
-Two more of his are no faults here, since they keep what is agreed: isovalues are handed on as
-floats, so that nobody need take a whole number; and who rounds the isovalue to the single precision
-of the samples has taken another isovalue, by less than the samples can tell.
+Three more of his are no faults here, since they keep what is agreed. Isovalues are handed on as
+floats, so that nobody need take a whole number. Who rounds the isovalue to the single precision of
+the samples has taken another isovalue, by less than the samples can tell. And who takes differences
+below 2 ** -52 for none is right for all magnitudes that are promised: `range.scale` measures, and
+tells, how far an answer stays.
 """
 
 from __future__ import annotations
@@ -31,16 +33,6 @@ class SignBit(Engine):
     def inside(self, samples: Array, relative: Array, alpha: float) -> Array:
         """Which differences have no sign bit."""
         return ~np.signbit(relative)
-
-
-@stranger("range.scale", promised=["range.scale"])
-class MachineEpsilon(Engine):
-    """An edge whose ends differ by less than 2 ** -52 is cut in the middle."""
-
-    def parameter(self, low: Array, high: Array) -> Array:
-        """Where the interpolant vanishes; the middle where it seems to be constant."""
-        constant = np.abs(low - high) < np.finfo(np.float64).eps
-        return np.where(constant, 0.5, super().parameter(low, high))
 
 
 @stranger("symmetry.layout")

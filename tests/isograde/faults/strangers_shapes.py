@@ -345,16 +345,6 @@ def one_row_of_turns(values: Any, isovalue: float, spacing: Spacing) -> Answer:
 
 SURVIVORS.update(
     {
-        "cleaned-by-diagonal": "a sample near the isovalue in a long volume, or where one axis of "
-        "the world is far finer than the others: crossings that are apart by 1e-8 to 1e-4 cells",
-        "hash-is-identity": "a volume with crossings on a hundred thousand lattice edges, or two "
-        "bodies far apart at samples whose usual hashes are equal",
-        "saddle-within-millionth": "ambiguous faces whose saddle is above the isovalue by less "
-        "than a millionth of the samples, but by more than rounding",
-        "close-enough": "contours that leave an image near a border sample a hair above the "
-        "isovalue, and at indices in the thousands",
-        "jointly-scaled": "several fields of magnitudes that differ by ten powers of ten or more",
-        "byte-for-each-axis": "fields in four dimensions and more with over 256 samples on an axis",
         "normals-at-the-border": "returned normals held against those of the interpolant, and not "
         "only against themselves at another spacing",
     }

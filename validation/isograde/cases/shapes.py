@@ -11,8 +11,7 @@ thin    an axis of one, two or three samples, each axis in turn
 mixed   three different lengths in every order
 long    an axis beyond 65,536 samples, with noise at both its ends; nothing between
 deep    noise in the last samples of a field whose lattice edges have numbers beyond 2 ** 24
-ends    lengths about 256, where blocks of 8 to 256 cells leave one cell over, two, or none; near
-        with crossings close to the low samples, so that vertices are close to each other
+ends    lengths about 256, where blocks of 8 to 256 cells leave one cell over, two, or none
 many    more than 65,536 vertices
 dense   more than 400,000: of 32-bit hashes of their edges some would be equal, whatever the hash
 specks  343 pieces, each round one sample
@@ -49,7 +48,6 @@ LONG = 2**16 + ENDS
 DEEP = (2, 1676, 1676)
 PATCH = 12
 LENGTHS = (256, 257, 258, 259)
-NEAR = 2.0**-13
 MANY = (36, 38, 40)
 DENSE = (64, 66, 68)
 HUGE = (226, 226, 226)
@@ -89,12 +87,6 @@ def ends(name: str, seed: int, length: int, axis: int) -> Field:
     return Field.of(np.ascontiguousarray(np.moveaxis(values, 0, axis)))
 
 
-def near(name: str, seed: int, axis: int) -> Field:
-    """Noise along an axis whose low samples are close to the isovalue."""
-    values = ends(name, seed, 258, axis).values
-    return Field.of(np.where(values > 0, values, values * NEAR))
-
-
 def specks(name: str, seed: int) -> Field:
     """A high sample at every second place in every direction, none at the border."""
     values = -np.abs(gentle(name, seed, (15, 15, 15)))
@@ -109,7 +101,6 @@ def cases(seed: int = 0) -> list[Case]:
     for axis in range(3):
         name = f"shapes/long-{axis}"
         made.append(_large(name, partial(long, name, seed, axis), 0.0, LONG * 16))
-        made.append(_end(f"shapes/near-{axis}", partial(near, f"shapes/near-{axis}", seed, axis)))
         for length in LENGTHS:
             name = f"shapes/ends-{length}-{axis}"
             made.append(_end(name, partial(ends, name, seed, length, axis)))

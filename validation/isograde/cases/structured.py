@@ -95,6 +95,7 @@ def cases(seed: int = 0) -> list[Case]:
         ("but-second", (2.0, 0.5, 2.0)),
         ("but-third", (2.0, 2.0, 0.5)),
         ("nanometres", (4e-9, 4e-9, 3e-8)),
+        ("flat", (1e-6, 1.0, 1.0)),
     ):
         name = f"structured/spacing-{word}"
         made.append(_case(name, partial(spaced, name, seed, spacing), 120))
