@@ -23,7 +23,7 @@ import numpy as np
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
 from tests.isograde.faults.registry import fault
 
-stranger = partial(fault, level=3)
+stranger = partial(fault, blind=True, level=3)
 
 
 @stranger("topology.tie_side")

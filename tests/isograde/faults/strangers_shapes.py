@@ -24,7 +24,7 @@ from scipy.sparse.csgraph import connected_components
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
 from tests.isograde.faults.registry import SURVIVORS, fault
 
-stranger = partial(fault, level=3)
+stranger = partial(fault, blind=True, level=3)
 
 
 def merged(vertices: Array, triangles: Array, keys: Array) -> Answer:
@@ -127,7 +127,7 @@ class RowOfThirteen(Engine):
         return super().tile(signs, 4 if (signs, decisions) == (0x96, 5) else decisions)
 
 
-@fault("topology.trilinear", level=4)
+@fault("topology.trilinear", level=4, blind=True)
 class MiddleOfThirteen(Engine):
     """In configuration 13 the centre, not a saddle, says which side a tunnel joins."""
 
@@ -143,7 +143,7 @@ class MiddleOfThirteen(Engine):
         return np.where(thirteen & (made & bits > 0), made & ~bits | side, made)
 
 
-@fault("topology.trilinear", level=4)
+@fault("topology.trilinear", level=4, blind=True)
 class RowOfSix(Engine):
     """The tunnel of configuration 6 is missing in one of the table's 48 rows for it."""
 
@@ -183,7 +183,7 @@ class HashIsIdentity(Engine):
         return np.asarray(3 * mixed.astype(np.int64) + e // 4)
 
 
-@fault("symmetry.normals_returned", level=3, promised=["symmetry.normals_returned"])
+@fault("symmetry.normals_returned", level=3, promised=["symmetry.normals_returned"], blind=True)
 class NormalsAtTheBorder(Engine):
     """On the border of the volume the one-sided differences of the normals are halved too."""
 
@@ -214,7 +214,7 @@ class NormalsAtTheBorder(Engine):
 SQUARE_EDGES = ((0, 0, 0), (1, 0, 1), (0, 1, 0), (0, 0, 1))
 
 
-@fault("topology.sides", level=3, limits={"kinds": [[2, 1]]})
+@fault("topology.sides", level=3, limits={"kinds": [[2, 1]]}, blind=True)
 def close_enough(values: Any, isovalue: float, spacing: Spacing) -> Any:
     """A contour is closed where its ends are equal by NumPy's allclose, on the border too."""
     samples = np.asarray(Field.of(values, dimension=2).values)
@@ -260,7 +260,7 @@ def close_enough(values: Any, isovalue: float, spacing: Spacing) -> Any:
     return lines
 
 
-@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[4, 1]]})
+@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[4, 1]]}, blind=True)
 def byte_for_each_axis(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """In four dimensions a sample's name has a byte for each index, and the 256th is carried."""
     field = Field.of(values, spacing, dimension=4)
@@ -281,7 +281,7 @@ FIVE_SPLIT = [
 ]
 
 
-@fault("topology.closed", interpolant={"tetrahedra": FIVE_SPLIT})
+@fault("topology.closed", interpolant={"tetrahedra": FIVE_SPLIT}, blind=True)
 def bricks_of_sixty_four(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Bricks of 64 samples, 63 cells, each begin the alternation of the five tetrahedra anew."""
     samples = Field.of(values, dimension=3).values
@@ -302,7 +302,7 @@ def bricks_of_sixty_four(values: Any, isovalue: float, spacing: Spacing) -> Answ
     return np.concatenate(places)[first] * spacing, number.reshape(-1)[np.concatenate(triangles)]
 
 
-@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[3, 2]]})
+@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[3, 2]]}, blind=True)
 def lone_segment_lost(values: Any, isovalues: Any, spacing: Spacing) -> Answer:
     """Where two isosurfaces meet, a curve of one segment is taken for a remnant and dropped."""
     field = Field.of(values, spacing, dimension=3)
@@ -314,7 +314,7 @@ def lone_segment_lost(values: Any, isovalues: Any, spacing: Spacing) -> Answer:
     return cut.points[used] * spacing, kept.reshape(-1, 2)
 
 
-@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[3, 2]]})
+@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[3, 2]]}, blind=True)
 def jointly_scaled(values: Any, isovalues: Any, spacing: Spacing) -> Answer:
     """Both fields are scaled by the largest number of either, and less than 1e-10 is zero."""
     samples = Field.of(values, dimension=3).values.astype(np.float64)
@@ -336,7 +336,7 @@ def forgetful(signs: int) -> int | None:
 FORGETFUL = DualRule("forgetful", dual_marching_cubes.patches, forgetful)
 
 
-@fault("topology.manifold", vertices="cells")
+@fault("topology.manifold", vertices="cells", blind=True)
 def one_row_of_turns(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Of the cells that are split where two pinched ones meet, one row of the table is missing."""
     mesh = dual.surface(FORGETFUL, Field.of(values, spacing, dimension=3), isovalue)

@@ -38,8 +38,11 @@ Reports say it, and verdicts of unlike plans are not to be compared. 1 chose its
 chooses them by coverage (`reports/coverage.md`), and asks about types, shapes, magnitudes, calls;
 3 adds what the last of the faults that were broken on purpose got past (numbers beyond 2 ** 24 and
 equal modulo 2 ** 16, the declared side of ties, crossings at them, digits of doubles), and samples
-that are infinite or no numbers; 4 poses fields of other types than doubles in all layouts, too, and
-adds whole isovalues amid whole numbers, a spacing of 1 along one axis, and -0.0.
+that are infinite or no numbers; 4 adds what faults of strangers got past: a field of each type in
+every layout, crops and mapped files, whole isovalues amid whole numbers, spacings of which one is 1
+or two are equal, of nanometres and of a millionth along one axis, lengths about 256, more than
+400,000 vertices, faces that are nearly undecided, arrays of unlike size, long axes in four
+dimensions, -0.0, and the same question asked again among hundreds of others.
 """
 
 FAMILIES: dict[str, ModuleType] = {
