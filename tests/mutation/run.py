@@ -44,6 +44,7 @@ from tests.mutation.trying import (
     Outcome,
     files_for,
     function_at,
+    quick,
     tests_collected,
 )
 
@@ -294,9 +295,7 @@ def by_itself(tree: Path, mutant: Mutant, calls: dict[str, Any]) -> tuple[Outcom
     near = {
         name: one["seconds"]
         for name, one in calls.items()
-        if one["seconds"] is not None
-        and one["seconds"] < SLOWEST
-        and any(called.startswith(f"{mutant.path}:") for called in one["calls"])
+        if quick(one) and any(called.startswith(f"{mutant.path}:") for called in one["calls"])
     }
     nearest = files_for(tree, mutant.path)[:NEAREST]
     own = {name for name in near if Path(name.split("::")[0]).name in nearest}
