@@ -9,8 +9,10 @@ import pytest
 from isograde.cases import FULL, all_cases, passing
 from isograde.cases.trilinear_cells import TUNNELS, topology_of
 from isograde.claims import CLAIMS
+from isograde.claims.passing import farthest, moved
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import Finding, Verdict
+from isograde.oracles.complexes import Complex
 from isograde.runner import Options, Task, Worker, claims_for, plan
 from isoref import asymptotic_decider, trilinear_cubes
 from isoref.fast.sweep import sweep
@@ -137,3 +139,14 @@ def test_an_answer_that_does_not_move_is_no_evidence_and_none_at_all_is_a_fault(
 def test_labels_are_not_asked() -> None:
     """Who sees sides only cannot move where no side changes."""
     assert not CLAIMS[CLAIM].families(declaration_from({"interpolant": "labels"}, "here"))
+
+
+@pytest.mark.parametrize("corner", range(3))
+def test_the_distance_of_meshes_is_that_of_the_corner_that_is_farthest(corner: int) -> None:
+    """Whichever corner of a triangle it is, from the one mesh to the other and back."""
+    flat = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
+    raised = flat.copy()
+    raised[corner, 2] = 0.5
+    plane, tip = Complex(flat, np.array([[0, 1, 2]])), Complex(raised, np.array([[0, 1, 2]]))
+    assert farthest(tip, plane) == pytest.approx(0.5)
+    assert moved(plane, tip) == moved(tip, plane) == pytest.approx(0.5)
