@@ -46,7 +46,7 @@ from isograde.adapters.conventions import refusal
 from isograde.bounds import at_most, beyond, hearing
 from isograde.cases import all_cases, blocks, given, own
 from isograde.claims import CLAIMS
-from isograde.claims.evidence import is_general
+from isograde.claims.evidence import is_general, remembered
 from isograde.declaration import Declaration
 from isograde.formats.reading import VolumeError
 from isograde.model import (
@@ -356,11 +356,10 @@ class Worker:
         """What the claim says of the trial."""
         if trial.plain.status is Status.DECLINED:
             return Finding(Verdict.UNSUPPORTED, trial.plain.detail)
-        if claim.needs_mesh and trial.plain.mesh_of(trial.kind) is None:
-            return Finding(Verdict.NOT_RUN, "no mesh came back that could be judged")
-        if claim.needs_mesh and (told := beyond(trial.plain, trial.case.samples)):
-            return Finding(Verdict.NOT_RUN, told)
-        self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
+        if claim.needs_mesh and (hindered := _hindered(trial)):
+            return hindered
+        if claim.variants:
+            self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
         try:
             with at_most(bounds.SECONDS):
                 return claim.judge(trial)
@@ -368,6 +367,18 @@ class Worker:
             return Finding(Verdict.NOT_RUN, str(error))
         except Exception as error:  # noqa: BLE001 - counted and shown as a fault of the grader
             return Finding(Verdict.NOT_RUN, f"{JUDGE_FAULT}: {type(error).__name__}: {error}")
+
+
+def _hindered(trial: Trial) -> Finding | None:
+    """What to say of a claim that needs a mesh, where there is none that can be judged."""
+
+    def compute() -> Finding | None:
+        told = beyond(trial.plain, trial.case.samples)
+        if trial.plain.mesh_of(trial.kind) is None:
+            told = "no mesh came back that could be judged"
+        return Finding(Verdict.NOT_RUN, told) if told else None
+
+    return remembered(trial, "hindered", compute)
 
 
 def _can_be_shown(case: Case, came: Outcome) -> bool:
