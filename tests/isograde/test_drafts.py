@@ -30,8 +30,7 @@ def plain(path: Path) -> list[dict[str, Any]]:
     """The lines of a report without what may differ between two runs: seconds and the date."""
     kept = []
     for one in lines(path):
-        one.pop("seconds", None)
-        for name in ("date", "arguments", "jobs"):
+        for name in ("seconds", "spent", "date", "arguments", "jobs"):
             one.pop(name, None)
         kept.append(one)
     return kept

@@ -32,7 +32,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 def timeless(report: reading.Report) -> list[Any]:
     """The records of a report without its date, its times and who asked how."""
-    apart = {"date", "seconds", "jobs", "arguments"}
+    apart = {"date", "seconds", "spent", "jobs", "arguments"}
     found = [{k: v for k, v in one.items() if k not in apart} for one in report.records]
     return sorted(found, key=lambda one: (one["record"], str(one.get("claim"))))
 
@@ -46,6 +46,9 @@ def test_the_joined_report_is_that_of_the_whole(parts: list[Path], tmp_path: Pat
         joined = join([found[i] for i in order], list("abc"))
         assert [r["case"] for r in joined.results] == [r["case"] for r in whole.results]
         assert timeless(joined) == timeless(whole)
+        footers = [one.footer or {} for one in (joined, *found)]
+        inside = [one["spent"]["implementation"] for one in footers]
+        assert inside[0] == pytest.approx(sum(inside[1:]))
 
 
 def test_a_part_alone_reaches_no_level(parts: list[Path]) -> None:

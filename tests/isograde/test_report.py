@@ -185,6 +185,26 @@ def test_the_counts_of_the_footer_are_those_of_the_results(report: Report) -> No
     assert report.footer["calls"] == sum(result["calls"] for result in report.results)
 
 
+def test_the_page_says_where_the_time_went(report: Report) -> None:
+    """Of one process with what is left of the whole; of several, only what was added over them."""
+    assert report.footer is not None
+    spent, seconds = report.footer["spent"], report.footer["seconds"]
+    assert spent["oracles"] > 0
+    assert spent["adapter"] > 0
+    left = seconds - sum(spent.values())
+    assert left >= -0.01  # Numbers are rounded.
+    told = words.spent(report)
+    assert told.startswith(f"{spent['implementation']:.1f} s the implementation, ")
+    assert told.endswith(f"{max(0.0, left):.1f} s the smallest cases and the lines of the report")
+    assert told in page(report)
+    assert told in markdown(report)
+    several = Report({**report.header, "jobs": 2}, report.claims, report.cases)
+    several.footer = report.footer
+    assert words.spent(several).endswith("s making the fields, added over its processes")
+    several.footer = {"seconds": 1.0}  # As older reports have it, and those that went on.
+    assert words.spent(several) == ""
+
+
 def test_the_checksum_is_that_of_the_cases(report: Report) -> None:
     assert report.footer is not None
     assert report.footer["checksum"] == record.checksum(report)

@@ -439,14 +439,14 @@ def after_mending(
     again = [one for one in last.values() if "commit" in one]
     if not again:
         return []
-    commits = ", ".join(sorted({one["commit"] for one in again}))
+    commits = " or ".join(sorted({one["commit"] for one in again}))
     killed, now = sum(one["outcome"] in DEAD for one in again), len(judged) - len(alive)
     return [
         f"Tests were written for survivors, and {len(again)} of these tried again with them, on "
-        f"the tree of commit {commits}: {killed} are killed now, so {now} of {len(judged)} "
-        f"in all. (That share is of mutants that the tests were written for, and says nothing of "
-        f"others.) Of the {len(alive)} that are left {explained} are explained below: no test "
-        f"should tell them from the code. {len(alive) - explained} are open.",
+        f"the tree of commit {commits}: {killed} are killed now, so {now} of {len(judged)} in all. "
+        "(That share is of mutants that tests were written for, and says nothing of others.) Of "
+        f"the {len(alive)} that are left {explained} are explained below, and "
+        f"{len(alive) - explained} are open.",
         "",
     ]
 

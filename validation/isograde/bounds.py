@@ -12,7 +12,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from types import FrameType
 
 from isograde.model import Outcome
@@ -93,20 +93,32 @@ def hearing(tick: float = TICK) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-@contextmanager
-def at_most(seconds: float) -> Iterator[None]:
+def at_most(seconds: float) -> AbstractContextManager[None]:
     """What is done inside raises `GivenUp` when it takes longer, to within `TICK`.
 
     Where the system has no such clock, and outside the main thread, it takes as long as it takes.
     One inside another ends with whichever is over first.
     """
     if seconds == math.inf or not _CLOCK.there():
+        return nullcontext()
+    return _Limit(seconds) if _CLOCK.heard else _heard(seconds)
+
+
+@contextmanager
+def _heard(seconds: float) -> Iterator[None]:
+    """The same, where the clock does not ring yet."""
+    with hearing(min(TICK, seconds)), _Limit(seconds):
         yield
-        return
-    with nullcontext() if _CLOCK.heard else hearing(min(TICK, seconds)):
-        limit = time.monotonic() + seconds, seconds
-        _CLOCK.limits.append(limit)
-        try:
-            yield
-        finally:
-            _CLOCK.limits.remove(limit)
+
+
+class _Limit(AbstractContextManager[None]):
+    """A limit that is open, while the clock rings."""
+
+    def __init__(self, seconds: float) -> None:
+        self.limit = time.monotonic() + seconds, seconds
+
+    def __enter__(self) -> None:
+        _CLOCK.limits.append(self.limit)
+
+    def __exit__(self, *raised: object) -> None:
+        _CLOCK.limits.remove(self.limit)

@@ -98,6 +98,8 @@ def run(spec: str, tasks: Sequence[Task], options: Options) -> Generator[Judged]
                 yield from _result(client, futures[number], options.dask)
                 futures[number].release()
         finally:
+            # After Ctrl-C nobody waits for the one that is cancelled, and it need not complain.
+            client.loop.asyncio_loop.set_exception_handler(lambda *_: None)
             client.cancel(futures)
             with contextlib.suppress(Exception):  # Workers that are gone have no judges.
                 client.run(release, name)

@@ -227,6 +227,8 @@ def _records(
     report.footer = None if stopped is None else {"stopped": stopped}
     seconds = judging.earlier + time.monotonic() - start
     footer = tally.footer(seconds, report)
+    if judging.spent and not judging.earlier:
+        footer["spent"] = {name: round(one, 3) for name, one in judging.spent.items()}
     return [*records, lines.plain(footer if stopped is None else {**footer, "stopped": stopped})]
 
 
@@ -234,6 +236,7 @@ class Judging:
     """The judging of a plan: what is known already is not asked again.
 
     earlier : seconds that earlier runs took for what is taken from them
+    spent : seconds that the parts of this run's judging took, added over its processes
     """
 
     def __init__(
@@ -249,6 +252,7 @@ class Judging:
         self.deadline = math.inf if options.budget is None else start + options.budget
         self.smallest: dict[str, Smallest] = {}
         self.judged: dict[str, Judged] = {}
+        self.spent: dict[str, float] = {}
 
     def all(self, spec: str, tasks: Sequence[Task], how: Manner) -> lines.JSON | None:
         """Judge each task; None, or why it was stopped before the end, and how much is left."""
@@ -295,6 +299,8 @@ class Judging:
         self.draft.add(*pair)
         self.draft.done[judged.case] = pair
         tally.add(judged)
+        for name, seconds in record.spent(judged).items():
+            self.spent[name] = self.spent.get(name, 0.0) + seconds
         if judged.evidence is not None:
             self.judged[judged.case] = judged
         _keep(self.smallest, judged, case.samples, self.expected)

@@ -31,7 +31,7 @@ import time
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as fresh
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -46,7 +46,7 @@ from isograde.adapters.conventions import refusal
 from isograde.bounds import at_most, beyond, hearing
 from isograde.cases import all_cases, blocks, given, own
 from isograde.claims import CLAIMS
-from isograde.claims.evidence import is_general
+from isograde.claims.evidence import is_general, remembered
 from isograde.declaration import Declaration
 from isograde.formats.reading import VolumeError
 from isograde.model import (
@@ -124,6 +124,8 @@ class Judged:
     """One case with every finding on it.
 
     general : the field is in general position; None where it was not built
+    seconds : of asking and judging, in which are `inside`, those of the calls themselves, and
+        `asking`, what the adapter took beside them; the building of the field comes on top
     """
 
     case: str
@@ -133,6 +135,9 @@ class Judged:
     seconds: float = 0.0
     calls: int = 0
     evidence: Evidence | None = None
+    inside: float = 0.0
+    asking: float = 0.0
+    building: float = 0.0
 
 
 class NothingToRun(LookupError):  # noqa: N818 - a state of the plan, not an error of the program
@@ -258,6 +263,7 @@ class Worker:
     """One open adapter, and the judging of what comes back through it.
 
     keeps : small cases and their answers are kept, for who asks for one claim after another
+    inside, asking : seconds so far inside the implementation, and in its adapter besides
     """
 
     adapter: Adapter
@@ -267,6 +273,8 @@ class Worker:
     hangs: int = 0
     keeps: bool = False
     kept: dict[str, tuple[Trial, dict[str, Outcome]]] = fresh(default_factory=dict)
+    inside: float = 0.0
+    asking: float = 0.0
 
     @classmethod
     def open(cls, spec: str, options: Options) -> Worker:
@@ -287,11 +295,13 @@ class Worker:
         if self.hangs >= PATIENCE:
             gave_up = f"given up after {PATIENCE} calls in a row that ran out of time"
             return _all(case, claims, Finding(Verdict.NOT_RUN, gave_up))
+        start = time.perf_counter()
         try:
             trial, outcomes = self._tried(case)
         except VolumeError as error:
             return _all(case, claims, Finding(Verdict.SKIP, str(error)))
-        return self._judge(trial, outcomes, claims)
+        building = time.perf_counter() - start
+        return replace(self._judge(trial, outcomes, claims), building=building)
 
     def _tried(self, case: Case) -> tuple[Trial, dict[str, Outcome]]:
         """The case with its field, and the outcomes that were asked for. Raises `VolumeError`."""
@@ -307,6 +317,7 @@ class Worker:
     def _judge(self, trial: Trial, outcomes: dict[str, Outcome], claims: Sequence[Claim]) -> Judged:
         """Every finding on one case whose field is built."""
         start, case, field = time.perf_counter(), trial.case, trial.field
+        inside, asking = self.inside, self.asking
         self._ask(trial, outcomes, ["plain"])
         findings = {}
         with hearing():
@@ -322,6 +333,8 @@ class Worker:
             time.perf_counter() - start,
             sum(outcome.status is not Status.DECLINED for outcome in outcomes.values()),
             Evidence(field, case.isovalues, outcomes) if shown else None,
+            self.inside - inside,
+            self.asking - asking,
         )
 
     def _ask(self, trial: Trial, outcomes: dict[str, Outcome], names: Iterable[str]) -> None:
@@ -350,17 +363,23 @@ class Worker:
         """What comes back from one call; a field outside the stated limits is not sent."""
         if reason := refusal(request, self.declaration):
             return Outcome(Status.DECLINED, detail=reason)
-        return self.adapter.run(request)
+        start = time.perf_counter()
+        outcome = self.adapter.run(request)
+        took = time.perf_counter() - start
+        # Who is asked many times at once tells the seconds of one, and spends nearly all inside.
+        inside = min(took, outcome.seconds) if request.calls == "once" else took
+        self.inside += inside
+        self.asking += took - inside
+        return outcome
 
     def _decide(self, claim: Claim, trial: Trial, outcomes: dict[str, Outcome]) -> Finding:
         """What the claim says of the trial."""
         if trial.plain.status is Status.DECLINED:
             return Finding(Verdict.UNSUPPORTED, trial.plain.detail)
-        if claim.needs_mesh and trial.plain.mesh_of(trial.kind) is None:
-            return Finding(Verdict.NOT_RUN, "no mesh came back that could be judged")
-        if claim.needs_mesh and (told := beyond(trial.plain, trial.case.samples)):
-            return Finding(Verdict.NOT_RUN, told)
-        self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
+        if claim.needs_mesh and (hindered := _hindered(trial)):
+            return hindered
+        if claim.variants:
+            self._ask(trial, outcomes, variants.named(claim.variants, trial.kind))
         try:
             with at_most(bounds.SECONDS):
                 return claim.judge(trial)
@@ -368,6 +387,18 @@ class Worker:
             return Finding(Verdict.NOT_RUN, str(error))
         except Exception as error:  # noqa: BLE001 - counted and shown as a fault of the grader
             return Finding(Verdict.NOT_RUN, f"{JUDGE_FAULT}: {type(error).__name__}: {error}")
+
+
+def _hindered(trial: Trial) -> Finding | None:
+    """What to say of a claim that needs a mesh, where there is none that can be judged."""
+
+    def compute() -> Finding | None:
+        told = beyond(trial.plain, trial.case.samples)
+        if trial.plain.mesh_of(trial.kind) is None:
+            told = "no mesh came back that could be judged"
+        return Finding(Verdict.NOT_RUN, told) if told else None
+
+    return remembered(trial, "hindered", compute)
 
 
 def _can_be_shown(case: Case, came: Outcome) -> bool:

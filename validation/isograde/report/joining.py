@@ -50,8 +50,12 @@ def join(reports: Sequence[Report], names: Sequence[str]) -> Report:
         records += [owner.cases[result["case"]], result]
     records += _evidence(parts, [result["case"] for result in results])
     seconds = sum(one.footer["seconds"] for one in parts if one.footer is not None)
-    records.append(_tally(results, parts).footer(seconds, gather(records)))
-    return gather(records)
+    footer = _tally(results, parts).footer(seconds, gather(records))
+    spent = [one.footer.get("spent", {}) for one in parts if one.footer is not None]
+    if all(spent):
+        shares = dict.fromkeys(name for one in spent for name in one)
+        footer["spent"] = {name: sum(one.get(name, 0.0) for one in spent) for name in shares}
+    return gather([*records, footer])
 
 
 def _parts(reports: Sequence[Report], names: Sequence[str]) -> list[Report]:

@@ -119,9 +119,11 @@ def _run(report: Report) -> str:
         return "The run was cut off."
     versions = header["versions"]
     commit = f" at commit {plain(versions['commit'])}" if "commit" in versions else ""
+    took = f" ({words.spent(report)})" if words.spent(report) else ""
     return (
         f"{header['date']}: {footer['cases']:,} cases (checksum {footer['checksum']}), "
-        f"{footer['calls']:,} calls, {footer['seconds']:.0f} s, plan {header.get('plan', 1)}, "
+        f"{footer['calls']:,} calls, {footer['seconds']:.0f} s{took}, plan "
+        f"{header.get('plan', 1)}, "
         f"seed {header['seed']}; isograde "
         f"{versions.get('isograde', 'source')}{commit}, Python {versions['python']}, NumPy "
         f"{versions['numpy']}."

@@ -287,6 +287,16 @@ class Tally:
         }
 
 
+def spent(judged: Judged) -> dict[str, float]:
+    """Where the seconds of one case went."""
+    return {
+        "implementation": judged.inside,
+        "adapter": judged.asking,
+        "oracles": max(0.0, judged.seconds - judged.inside - judged.asking),
+        "fields": judged.building,
+    }
+
+
 def tally_of(report: Report) -> Tally:
     """What is counted in a report that has its results."""
     tally = Tally()

@@ -152,6 +152,33 @@ def run(report: Report) -> dict[str, str]:
     return said | {name: str(one) for name, one in header["versions"].items()}
 
 
+# What the parts of a grade's time are called.
+PARTS = {
+    "implementation": "the implementation",
+    "adapter": "its adapter",
+    "oracles": "judging by the oracles",
+    "fields": "making the fields",
+}
+
+
+def spent(report: Report) -> str:
+    """Where the time of a grade went, in a clause; nothing where the report does not tell.
+
+    What is left of the whole is told of a single process: of several, who waited for whom is not
+    known.
+    """
+    footer = report.footer or {}
+    known = footer.get("spent")
+    if not known:
+        return ""
+    told = [f"{known.get(part, 0.0):.1f} s {name}" for part, name in PARTS.items()]
+    there = any(one.startswith("--dask") for one in report.header["arguments"])
+    if there or report.header["jobs"] > 1:
+        return f"{', '.join(told)}, added over its processes"
+    rest = max(0.0, footer["seconds"] - sum(known.values()))
+    return f"{', '.join(told)}, {rest:.1f} s the smallest cases and the lines of the report"
+
+
 def brief(text: str) -> str:
     """The text as a heading tells it: without a crash's trace, and at most so long.
 
