@@ -219,6 +219,17 @@ def test_exponents_of_figure_6() -> None:
     assert "within half a percent" in reading("ljung_ynnerman")
 
 
+def test_orders_of_the_known_fireball() -> None:
+    """The table of items says of which quantity the order is the formal one."""
+    own = rows("schlei_2010/hypersurfaces.md")
+    orders = {row[0]: row for row in own if row[0].endswith(": order")}
+    assert len(orders) == 4
+    assert all(("volume" in name) == row[3].startswith("differs") for name, row in orders.items())
+    assert {round(number(row[2]), 2) for n, row in orders.items() if "volume" in n} == {1.87}
+    table = joined((READINGS / "README.md").read_text(encoding="utf-8"))
+    assert "the volume in space-time differs: 1.87 on lattices so coarse" in table
+
+
 def test_how_near_table_7_comes() -> None:
     """By the paper's own tables at three sizes, by the staircase at all four."""
     by_both = [row for row in rows("min_2003.md") if len(row) == 8 and row[-1].endswith("%")]
