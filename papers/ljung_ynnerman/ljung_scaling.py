@@ -260,26 +260,36 @@ def costs(side: int, seeds: int, k: float) -> Table:
         found = time.process_time()
         marching_faces.marching_faces(first, second)
         share.append((found - start) / (time.process_time() - found))
-    note = '"typically 2-3 triangle pairs are tested"'
-    table.add("pairs in a tested voxel, mean", "2 to 3", round(float(np.mean(pairs)), 2), note=note)
+    mean = float(np.mean(pairs))
+    note = f'"typically 2-3 triangle pairs are tested"; {words.beyond(mean, 2, 3)}'
+    table.add("pairs in a tested voxel, mean", "2 to 3", round(mean, 2), note=note)
     table.add("most pairs in a voxel", None, most, note=words.bound(most, MOST_PAIRS))
     first, _ = waves(side, 0, k)
     voxels, samples = (side - 1) ** 3, side**3
     table.add("comparisons of samples a voxel, none kept", None, 8.0)
     half = (8 + 4 * (side - 2)) / (side - 1)
-    note = '"a simple caching scheme to save half of the bit-set": "roughly halves the time"'
+    note = (
+        '"a simple caching scheme to save half of the bit-set": "roughly halves the time"; '
+        "by arithmetic, not timed"
+    )
     table.add("the same, half of the bits kept along a row", None, round(half, 3), note=note)
     note = "each sample compared once, whole planes at a time (`voxel_configurations`)"
     table.add("comparisons a voxel in isoref", None, round(samples / voxels, 3), note=note)
-    least, largest = min(share), max(share)
-    note = f'"almost all"; CPU time of {seeds} runs on {side}^3 samples, a busy machine'
-    shown_share = f"{least:.2f} to {largest:.2f}"
-    table.add("share of the time that is traversal", None, shown_share, note=note)
+    table.rows += _quoted(share, beside, f"CPU time on {side}^3 samples, a busy machine").rows
+    return table
+
+
+def _quoted(share: Sequence[float], beside: Sequence[float], how: str) -> Table:
+    """What the paper says in words of two times, each as a question that a run answers."""
+    table, seeds = Table(""), len(share)
+    note = f'"almost all"; a share of {min(share):.2f} to {max(share):.2f}; {how}'
+    what = f"traversal takes more than half of the time: runs of {seeds}"
+    table.add(what, None, sum(s > 0.5 for s in share), expected=seeds, note=note)
     note = (
-        '"a small additional amount of work", the time of the segments over that of both surfaces'
+        f'"a small additional amount of work"; {min(beside):.2f} to {max(beside):.2f} times; {how}'
     )
-    shown_share = f"{min(beside):.2f} to {max(beside):.2f}"
-    table.add("what the curves cost where surfaces are made", None, shown_share, note=note)
+    what = f"segments cost less than both surfaces: runs of {seeds}"
+    table.add(what, None, sum(b < 1 for b in beside), expected=seeds, note=note)
     return table
 
 

@@ -27,6 +27,12 @@ def of_which_waves(printed: Mapping[str, int], implied: Mapping[str, int]) -> st
     return f"{said}{which}: a wave number is found for each below."
 
 
+def beyond(mean: float, least: float, most: float) -> str:
+    """How far a number is from a range that is printed."""
+    apart = max(mean - most, 0.0) or min(mean - least, 0.0)
+    return f"{apart:+.2f} beyond the range" if apart else "in the range"
+
+
 def bound(most: int, printed: int) -> str:
     """Whether the largest number found keeps to a bound that is printed."""
     return f'"a maximum of {printed}": a bound, {"kept" if most <= printed else "broken"}'

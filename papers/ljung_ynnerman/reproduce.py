@@ -365,11 +365,16 @@ def figure_1_counts(side: int, seeds: Sequence[int]) -> Table:
     ks = f"{min(draws['k']):.2f} to {max(draws['k']):.2f}"
     table.add("wave number, radians a side", None, ks, note=note)
     for key, what in CAPTIONS.items():
-        fitted = "the wave number is fitted to it" if key == "real_triangles" else ""
-        family = len(CAPTIONS) + 1
-        table.add_draws(what, printed[key], draws[key], step=1.0, family=family, note=fitted)
+        if key == "real_triangles":  # What is fitted cannot fail to fit.
+            mean = float(np.mean(draws[key]))
+            table.add(what, None, mean, note=f"fitted to {printed[key]:,}")
+        else:
+            table.add_draws(what, printed[key], draws[key], step=1.0, family=len(CAPTIONS))
     ratio = printed["line_segments"] / printed["points"]
-    table.add_draws("segments a point", ratio, draws["ratio"], step=0.0, family=len(CAPTIONS) + 1)
+    note = "the quotient of both captions"
+    table.add_draws(
+        "segments a point", ratio, draws["ratio"], step=0.0, family=len(CAPTIONS), note=note
+    )
     return table
 
 

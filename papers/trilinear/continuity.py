@@ -230,11 +230,11 @@ def conclusion(medians: dict[str, Floats]) -> str:
     """How the median jumps of each rule fall with the step, which falls by `STEPS`."""
     plain = medians[trilinear_cubes.RULE.name]
     ways = (STEPS[-1] / STEPS[0]) ** 0.5
-    shrinks = [name for name, m in medians.items() if m[-1] < 3 * ways * m[0]]
+    shrinks = [name for name, m in medians.items() if m[-1] <= ways * m[0]]
     return (
         f"The plain rule's median jump goes from {plain[0]:.2f} to {plain[-1]:.2f} of a cell's "
         f"side as the step goes from {STEPS[0]:g} to {STEPS[-1]:g}. Rules whose median jump "
-        f"shrinks with the root of the step: {', '.join(shrinks) or 'none'}."
+        f"shrinks as fast as the root of the step, or faster: {', '.join(shrinks) or 'none'}."
     )
 
 

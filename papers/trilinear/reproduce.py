@@ -50,10 +50,11 @@ HERE = Path(__file__).parent
 ROW = 60
 PRINTED = json.loads((HERE / "printed.json").read_text(encoding="utf-8"))
 OPENING = """Made by `papers/trilinear/reproduce.py`, which computes every number but those under
-"paper", which are printed, and the zeros under "expected"; the other numbers under "expected" are
-totals of this run. The truth is `isograde.oracles.trilinear`, its list of cases
-`isograde.oracles.trilinear_cases`, the extractor `isoref.trilinear_cubes`. What is asked of every
-implementation is [a page of its own](trilinear/implementations.md). A guided reading is in
+"paper", which are printed, and the zeros under "expected"; of the other numbers under "expected"
+one is the length of a list of names, and says so, the others are totals of this run. The truth is
+`isograde.oracles.trilinear`, its list of cases `isograde.oracles.trilinear_cases`, the extractor
+`isoref.trilinear_cubes`. What is asked of every implementation is
+[a page of its own](trilinear/implementations.md). A guided reading is in
 `papers/trilinear/README.md`.
 """
 OPENING_OF_IMPLEMENTATIONS = """Made by `papers/trilinear/reproduce.py --part implementations`,
@@ -130,7 +131,8 @@ def how_many_cases(share: int) -> list[Table | str]:
     table.add("topologies of a cell with numbered corners", None, len(every_topology()))
     named = [case_name(one) for one in classes(mirror=False)]
     listed = set(PRINTED["names"]["list"])
-    table.add("names of cases in use", len(listed), len(set(named)))
+    note = "the list in `printed.json`, from software after Chernyaev"
+    table.add("names of cases in use", None, len(set(named)), expected=len(listed), note=note)
     table.add(
         "names that are not ours, or ours that are no name",
         None,

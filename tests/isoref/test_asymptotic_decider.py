@@ -373,6 +373,16 @@ def test_the_octagon_of_10b_and_10d_cannot_be_triangulated() -> None:
         assert cycles.triangulate(polygon) is None
 
 
+def test_the_nonagons_of_7c_13d_and_13h_cannot_be_triangulated() -> None:
+    """Section 3, by exhaustion: they take an additional vertex because they have to."""
+    for name in ("7C", "13D", "13H"):
+        faces = decider.bits_of(decider.VARIANTS[name])
+        polygons = cycles.cycles(decider.drawing(int(name[:-1])), faces)
+        (polygon,) = (p for p in polygons if len(p) == 9)
+        assert not complexes(polygon)
+        assert cycles.triangulate(polygon) is None
+
+
 def number_of_discs(polygon: tuple[int, ...]) -> int:
     """How many triangulations the polygon has, by the recursion for Catalan numbers."""
     n = len(polygon)

@@ -263,3 +263,20 @@ def test_a_bound_is_kept_or_broken(module: Callable[[str], ModuleType]) -> None:
     bound = module("ljung_words").bound
     assert bound(25, 25).endswith("a bound, kept")
     assert bound(26, 25).endswith("a bound, broken")
+
+
+def test_how_far_a_number_is_from_a_printed_range(module: Callable[[str], ModuleType]) -> None:
+    """Section 4.2: typically 2 to 3 pairs."""
+    beyond = module("ljung_words").beyond
+    assert [beyond(x, 2, 3) for x in (2.5, 4.03, 1.5)] == [
+        "in the range",
+        "+1.03 beyond the range",
+        "-0.50 beyond the range",
+    ]
+
+
+def test_words_on_times_are_held_against_every_run(module: Callable[[str], ModuleType]) -> None:
+    """Section 7: traversal takes almost all of the time, and the segments little beside."""
+    quoted = module("ljung_scaling")._quoted
+    assert quoted([0.9, 0.8], [0.1, 0.2], "").differing() == []
+    assert [row.ours for row in quoted([0.9, 0.1], [3.0, 0.2], "").rows] == [1, 1]

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from isograde.cases.volumes import REGISTRY, read
+from isograde.oracles.self_intersections import self_intersections
+from isoref.cube import CORNER_OFFSETS, EDGES
 from isoref.fast.vesta import extract
 from isoref.field import Field, Integers
 from isoref.freeze_out import contour_stack, correspondence_problems
@@ -352,3 +354,31 @@ def test_a_point_in_l_is_needed_where_no_fan_cuts(module: Callable[[str], Any]) 
         {8: (0, 3), 9: (1, 1)}
     )
     assert told({8: (0, 3)}).startswith("There is no need of a point in L: without")
+
+
+@pytest.mark.parametrize("resolution", ["L", "H"])
+def test_cells_before_displacement_touch_themselves_only_where_averages_never_lead(
+    module: Callable[[str], Any], resolution: str
+) -> None:
+    """Section IV: "never self-intersect", of all cells; of a pair of 6-cycles in L it is untrue.
+
+    Crossings stand in the middles of edges. Cells meet in faces, on which no triangle lies.
+    """
+    census, rule = module("vesta_census"), module("isoref.marching_vesta").rule("mixed", resolution)
+    signatures = module("vesta_counts").all_signatures()
+    middles = CORNER_OFFSETS[np.array(EDGES)].mean(axis=1)
+    points, faces, owner, at = [], [], [], 0
+    for k, signature in enumerate(signatures):
+        tile = rule.tile(*signature)
+        shift = np.array([2.0 * k, 0, 0])
+        inner = [place(np.zeros((8, 1)), middles[:, None])[0] for place in tile.interior]
+        points.append(np.concatenate([middles, np.reshape(inner, (-1, 3))]) + shift)
+        faces += [np.array(t) + at for t in tile.triangles]
+        owner += [k] * len(tile.triangles)
+        at += len(points[-1])
+    assert len(signatures) == 656
+    pairs = self_intersections(np.concatenate(points), np.array(faces))
+    touching = {signatures[owner[pair[0]]] for pair in pairs}
+    lengths = {tuple(len(c) for c in census.cycles(*one)) for one in touching}
+    assert not any(census.attainable(*one) for one in touching)
+    assert lengths == ({(6, 6)} if resolution == "L" else set())

@@ -49,6 +49,7 @@ def test_every_place_exists(section: str) -> None:
             ROOT / "papers" / name,
             ROOT / "tests" / "isoref" / name,
             ROOT / "tests" / "isograde" / name,
+            ROOT / "tests" / "papers" / name,
         ]
         assert any(place.exists() for place in places), f"{section}: {name}"
 

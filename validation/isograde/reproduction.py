@@ -48,8 +48,12 @@ class Row:
     def verdict(self) -> str:
         """``exact``, ``within x``, ``fits, z = x``, ``differs by x``, or ``measured`` alone.
 
+        Numbers that may differ are ``within`` even where their shown digits are the same.
+
         >>> Row("cells", 3, 3).verdict, Row("share", 88.13, 88.2, tolerance=0.1).verdict
         ('exact', 'within 0.1')
+        >>> Row("share", 0.5, 0.5, tolerance=0.1).verdict
+        'within 0.1'
         >>> Row("cells", 3, 4).verdict, Row("cells", None, 4).verdict
         ('differs by +1', 'measured')
         >>> Row("cells", None, 4, expected=4).verdict
@@ -61,7 +65,7 @@ class Row:
         """
         if self.beside is None:
             return "measured"
-        if self.error is None and self.beside == self.ours:
+        if self.error is None and not self.tolerance and self.beside == self.ours:
             return "exact"
         if not (isinstance(self.beside, int | float) and isinstance(self.ours, int | float)):
             return "differs"
