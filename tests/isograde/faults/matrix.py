@@ -160,7 +160,7 @@ def report() -> None:
     blind_ones = [one for one in FAULTS.values() if one.blind]
     whole = [line for line in done.values() if line["failed"]]
     told = (
-        f"{len(shown)} of them are caught by the default plan, {len(survivors)} are not: "
+        f"{len(shown)} of them are caught by the default plan, {len(survivors)} {'is' if len(survivors) == 1 else 'are'} not: "
         f"{', '.join(survivors)}."
         if survivors
         else "All of them are caught by the default plan."
