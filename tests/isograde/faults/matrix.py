@@ -159,8 +159,9 @@ def report() -> None:
     assert set(survivors) == set(SURVIVORS), "caught.json and SURVIVORS do not fit each other"
     blind_ones = [one for one in FAULTS.values() if one.blind]
     whole = [line for line in done.values() if line["failed"]]
+    verb = "is" if len(survivors) == 1 else "are"
     told = (
-        f"{len(shown)} of them are caught by the default plan, {len(survivors)} {'is' if len(survivors) == 1 else 'are'} not: "
+        f"{len(shown)} of them are caught by the default plan, {len(survivors)} {verb} not: "
         f"{', '.join(survivors)}."
         if survivors
         else "All of them are caught by the default plan."
