@@ -16,6 +16,7 @@ MODULES = {
     "itk": "itk",
     "jaxmesh": "jaxmesh",
     "manifold3d": "manifold3d",
+    "pygel3d": "pygel3d",
     "pymcubes": "mcubes",
     "pytessel": "pytessel",
     "pysplashsurf": "pysplashsurf",
