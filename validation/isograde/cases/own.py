@@ -37,6 +37,8 @@ PREFIX = "own/"
 #: As a family of thousands would be judged: every claim, in every way.
 TAGS = frozenset({"own", "posed", "noise"})
 NAME = re.compile(r"own/[A-Za-z0-9_.+-]{1,120}")
+# Of more than a name, NumPy would make a type of several fields, or a syntax error.
+TYPE = re.compile(r"[<>=|]?[A-Za-z0-9]{1,16}")
 #: No file of cases has more bytes, and no case more samples.
 MOST_BYTES, MOST_SAMPLES = 1 << 26, 1 << 20
 
@@ -77,7 +79,7 @@ def case_of(entry: Entry) -> Case:
     except KeyError as error:
         raise OwnCasesError(f"{name} has no {error.args[0]!r}") from None
     except (TypeError, ValueError, OverflowError) as error:
-        raise OwnCasesError(f"{name}: {error}") from None
+        raise OwnCasesError(f"{name}: {error!s:.300}") from None
     if kind != (field.dimension, field.components):
         has = f"({field.dimension}, {field.components})"
         raise OwnCasesError(
@@ -97,9 +99,10 @@ def _field(entry: Entry) -> Field:
         raise ValueError(f"shape {shape} is none of a lattice of {n} axes")
     if np.prod(shape, dtype=object) * m > MOST_SAMPLES:
         raise ValueError(f"shape {shape} has more than {MOST_SAMPLES:,} samples")
-    kind = np.dtype(str(entry["type"]))
+    named = str(entry["type"])
+    kind = np.dtype(named if TYPE.fullmatch(named) else object)
     if kind.kind not in "biuf" or kind.itemsize > 8:
-        raise ValueError(f"type {entry['type']!r:.200} is not one of real numbers")
+        raise ValueError(f"type {named!r:.200} is not one of real numbers")
     listed = np.array(entry["values"], object).ravel()
     whole = [*([m] if m > 1 else []), *shape]
     if len(listed) != np.prod(whole):
@@ -121,13 +124,14 @@ def read(path: Path) -> list[Case]:
 def entries(path: Path) -> list[Entry]:
     """The entries of a file, each of which is a case. Raises `OwnCasesError`."""
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise OwnCasesError(f"{path} is larger than {MOST_BYTES >> 20} MB: no file of cases")
-        held = json.loads(path.read_text(encoding="utf-8"))
+        large = path.stat().st_size > MOST_BYTES
+        held = None if large else json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise OwnCasesError(f"{path} cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise OwnCasesError(f"{path} is no JSON: {error}") from None
+    except (ValueError, RecursionError) as error:  # A number of 5,000 digits is a ValueError.
+        raise OwnCasesError(f"{path} is no JSON: {error!s:.300}") from None
+    if large:
+        raise OwnCasesError(f"{path} is larger than {MOST_BYTES >> 20} MB: no file of cases")
     if not isinstance(held, dict) or held.get("format") != FORMAT:
         raise OwnCasesError(f'{path} is no file of cases: it does not say "format": "{FORMAT}"')
     listed = held.get("cases")
