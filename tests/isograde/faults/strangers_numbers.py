@@ -158,7 +158,7 @@ class StampOfAByte(Engine):
         return vertices[~known], number[triangles]
 
 
-@stranger("topology.closed")
+@stranger("topology.sides")
 class HashOf32Bits(Engine):
     """A lattice edge is known by 32 bits of a good hash, and two edges of the same hash are one."""
 
@@ -211,7 +211,7 @@ class FirstTwoSpacings(Engine):
         return super().finish(vertices, triangles, spacing, shape)
 
 
-@stranger("symmetry.spacing")
+@stranger("topology.closed")
 class WeldedInMetres(Engine):
     """Vertices within 1e-8 of each other are welded, in units of the world, say metres."""
 

@@ -60,7 +60,7 @@ class CleanedByDiagonal(Engine):
         return merged(made, rows, np.round(made / size)) if size > 0 else (made, rows)
 
 
-@stranger("topology.closed")
+@stranger("topology.sides")
 class NoAreaNoTriangle(Engine):
     """Triangles of less than 1e-12 square units are dropped as degenerate, their holes left."""
 
@@ -118,7 +118,7 @@ class SaddleWithinMillionth(Engine):
         return np.where(asks[signs], decide_faces(g, nearly), 0)
 
 
-@stranger("topology.closed")
+@stranger("symmetry.orientation")
 class RowOfThirteen(Engine):
     """In configuration 13 one row of one complement is its neighbour's."""
 
@@ -171,7 +171,7 @@ class FanOfNine(Engine):
         return Tile(tuple(pieces))
 
 
-@stranger("topology.manifold")
+@stranger("topology.sides")
 class HashIsIdentity(Engine):
     """A vertex is known by a 32-bit hash of its lattice edge, and equal hashes are one vertex."""
 
@@ -260,7 +260,7 @@ def close_enough(values: Any, isovalue: float, spacing: Spacing) -> Any:
     return lines
 
 
-@fault("topology.sides", interpolant="kuhn", limits={"kinds": [[4, 1]]}, blind=True)
+@fault("topology.closed", interpolant="kuhn", limits={"kinds": [[4, 1]]}, blind=True)
 def byte_for_each_axis(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """In four dimensions a sample's name has a byte for each index, and the 256th is carried."""
     field = Field.of(values, spacing, dimension=4)
@@ -336,7 +336,7 @@ def forgetful(signs: int) -> int | None:
 FORGETFUL = DualRule("forgetful", dual_marching_cubes.patches, forgetful)
 
 
-@fault("topology.manifold", vertices="cells", blind=True)
+@fault("topology.closed", vertices="cells", blind=True)
 def one_row_of_turns(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Of the cells that are split where two pinched ones meet, one row of the table is missing."""
     mesh = dual.surface(FORGETFUL, Field.of(values, spacing, dimension=3), isovalue)
