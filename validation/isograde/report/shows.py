@@ -111,10 +111,11 @@ wrong += [f"vertex {{i}} is {{vertices[i].tolist()}}" for i in bad]
 """
 FLAT = """
 for row in simplices:
-    corners = (vertices[row] / spacing).round(6)
-    sides = corners[1:] - corners[0]
-    if np.prod(np.linalg.svd(sides, compute_uv=False)) < 1e-12:
-        wrong.append(f"no measure: {{vertices[row].tolist()}}")
+    corners = vertices[row] / spacing
+    for places in corners, corners.round(6):
+        if np.prod(np.linalg.svd(places[1:] - places[0], compute_uv=False)) < 1e-12:
+            wrong.append(f"no measure: {{vertices[row].tolist()}}")
+            break
 """
 NOTHING = """
 wrong += [f"{{len(simplices)}} simplices, where there is nothing"] if len(simplices) else []

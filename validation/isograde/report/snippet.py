@@ -590,7 +590,8 @@ def _on_call(record: JSON, summary: Summary, call: str, lines: list[str]) -> str
     if posed is not None:
         if not posed["values"]:
             raise NoLinesError("The samples of this variant are too many to print, or none.")
-        lines = [*lines[:-1], _samples(posed, m)]
+        layout = LAYOUTS.get(posed["variant"], "").replace("posed_values", "values")
+        lines = [*lines[:-1], _samples(posed, m), *_some(layout)]
     text = ON_CALL.get(summary.id, ANSWERS).format(values=values, n=n, k=n - m)
     ended = ENDED.format(rule=ascii(str(summary.claim["rule"]))).rstrip()
     return _whole(call, [*lines, text.rstrip() + ended])
@@ -813,7 +814,7 @@ def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
         return None
     surfaces = (n, m) == (3, 1)
     segments = SHOW_SEGMENTS.format(least=-1) if surfaces else ""
-    segments = SHOW_TOGETHER if "hang together" in told else segments
+    segments = SHOW_TOGETHER if "together otherwise" in told else segments
     if name.startswith("translate"):
         if not surfaces:
             return None
