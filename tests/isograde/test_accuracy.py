@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from isograde.cases import accuracy as fields
+from isograde.cases import simplices
 from isograde.claims import accuracy
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import SURFACES, Case, Finding, Outcome, Status, Trial, Verdict
@@ -28,8 +29,11 @@ from tests.isograde.judging import verdicts as judged
 CASES = {case.id: case for case in fields.cases()}
 QUICK = [name for name, case in CASES.items() if "full" not in case.tags]
 RETURNED = "accuracy.normals_returned"
+PLANES = "accuracy.normals_of_planes"
 SHAPES = "accuracy.shapes"
-CLAIMS = {claim.id: claim for claim in accuracy.CLAIMS if claim.id not in (RETURNED, SHAPES)}
+CLAIMS = {
+    claim.id: claim for claim in accuracy.CLAIMS if claim.id not in (RETURNED, PLANES, SHAPES)
+}
 CUBES = Declaration("here", level=4)
 KUHN = Declaration("here", interpolant="tetrahedra")
 
@@ -283,6 +287,33 @@ def test_normals_that_come_with_the_vertices_are_judged() -> None:
     assert with_normals(lambda n: n * np.nan) is Verdict.FAIL
     assert CLAIMS
     assert trial(CASES["accuracy/sphere"]).plain.normals is None
+
+
+def of_a_plane(turned: Callable[[Floats, Floats], Any] | None) -> Finding:
+    """What is said of the reference's plane with normals of its slope, changed by its points."""
+    case = next(case for case in simplices.cases() if case.id == "simplices/flat-3-1")
+    field = case.build()
+    mesh = METHODS["trilinear-cubes"](field, 0.0)
+    slope = case.facts["manifold"].gradients(np.zeros((1, 3)))[0, 0]
+    at = (mesh.vertices - field.origin) / field.spacing
+    normals = turned(np.tile(slope, (len(at), 1)), at) if turned else None
+    outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices, normals=normals)
+    claim = next(claim for claim in accuracy.CLAIMS if claim.id == PLANES)
+    return claim.judge(Trial(case, field, CUBES, {"plain": outcome}))
+
+
+def test_normals_of_a_plane_are_judged_on_the_border_too() -> None:
+    """Of "accuracy.normals_of_planes": either side up, of any length, single precision will do."""
+    assert of_a_plane(lambda n, _: n).verdict is Verdict.PASS
+    assert of_a_plane(lambda n, _: -3e-9 * n.astype(np.float32)).verdict is Verdict.PASS
+    assert of_a_plane(lambda n, _: n * np.nan).verdict is Verdict.FAIL
+    assert of_a_plane(lambda n, _: 0 * n).verdict is Verdict.FAIL
+    assert of_a_plane(lambda n, at: np.where(at[:, :1] > 8, n, -n)).verdict is Verdict.FAIL
+    assert of_a_plane(None).verdict is Verdict.SKIP
+    # Differences along the first axis are halved on its border.
+    found = of_a_plane(lambda n, at: np.where(at[:, :1] % 16 == 0, n * (0.5, 1, 1), n))
+    assert found.verdict is Verdict.FAIL
+    assert found.numbers["wrong"] == found.numbers["on_border"] > 0
 
 
 @pytest.mark.parametrize("name", [name for name in QUICK if CASES[name].kind == SURFACES])

@@ -44,6 +44,7 @@ BY_TEST = {
     "range.scale": "test_ranges",
     "range.shift": "test_ranges",
     "accuracy.normals_returned": "test_accuracy",
+    "accuracy.normals_of_planes": "test_accuracy",
     "symmetry.normals_returned": "test_symmetry",
     "accuracy.continuity": "test_passing",
     "accuracy.shapes": "test_accuracy",

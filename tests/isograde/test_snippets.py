@@ -52,7 +52,7 @@ WITHOUT = {"robustness.nan", "robustness.bad_input"}
 LONGER = {
     "robustness.elsewhere", "topology.tie_side", "accuracy.normals_returned",
     "symmetry.directions", "symmetry.normals_returned", "accuracy.continuity",
-    "curves.confidence", "accuracy.shapes",
+    "curves.confidence", "accuracy.shapes", "accuracy.normals_of_planes",
 }  # fmt: skip
 
 

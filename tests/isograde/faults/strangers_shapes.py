@@ -22,7 +22,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tests.isograde.faults.engine import Answer, Array, Engine, Spacing
-from tests.isograde.faults.registry import SURVIVORS, fault
+from tests.isograde.faults.registry import fault
 
 stranger = partial(fault, blind=True, level=3)
 
@@ -183,7 +183,7 @@ class HashIsIdentity(Engine):
         return np.asarray(3 * mixed.astype(np.int64) + e // 4)
 
 
-@fault("symmetry.normals_returned", level=3, promised=["symmetry.normals_returned"], blind=True)
+@fault("accuracy.normals_of_planes", level=3, promised=["accuracy.normals_of_planes"], blind=True)
 class NormalsAtTheBorder(Engine):
     """On the border of the volume the one-sided differences of the normals are halved too."""
 
@@ -341,11 +341,3 @@ def one_row_of_turns(values: Any, isovalue: float, spacing: Spacing) -> Answer:
     """Of the cells that are split where two pinched ones meet, one row of the table is missing."""
     mesh = dual.surface(FORGETFUL, Field.of(values, spacing, dimension=3), isovalue)
     return mesh.vertices, mesh.simplices
-
-
-SURVIVORS.update(
-    {
-        "normals-at-the-border": "returned normals held against those of the interpolant, and not "
-        "only against themselves at another spacing",
-    }
-)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from isoref.field import Floats
 
 from isograde.cases.accuracy import Body, row
 from isograde.claims.curves import on_edges
@@ -28,6 +29,7 @@ from isograde.claims.evidence import (
     lattice_of,
     on_mesh,
     passed,
+    place,
     remembered,
     skipped,
 )
@@ -43,6 +45,7 @@ SLACK = 0.15
 EXACT = 1e-3
 # The middle of a triangle and of each side.
 PROBES = np.array([[2, 2, 2], [3, 3, 0], [0, 3, 3], [3, 0, 3]]) / 6
+NO_DIRECTION = "a normal has no length, or is not finite"
 ETIENE = "Etiene and others 2009, section 4: observed order against the formal one"
 
 
@@ -168,9 +171,9 @@ def returned(trial: Trial) -> Finding:
     bodies, _ = row(trial.case.facts["row"])
     used = np.unique(trial.mesh.simplices)
     points = lattice_of(trial).index(trial.mesh.vertices[used])
-    length = np.linalg.norm(normals[used], axis=1)
-    if not (np.isfinite(length).all() and (length > 0).all()):
-        return failed("a normal has no length, or is not finite")
+    directions = _directions(normals[used])
+    if directions is None:
+        return failed(NO_DIRECTION)
     nearest = np.argmin([np.abs(body.distance(points)) for body in bodies], axis=0)
     cosines = np.zeros(len(used))
     for number, body in enumerate(bodies):
@@ -178,13 +181,57 @@ def returned(trial: Trial) -> Finding:
         if not here.any():
             return skipped("a body is missing: see the claims on bodies")
         right = body.normals(points[here])[:, 0]
-        cosines[here] = (normals[used][here] * right).sum(axis=1) / length[here]
+        cosines[here] = (directions[here] * right).sum(axis=1)
     side = 1.0 if np.median(cosines) > 0 else -1.0
     angle = np.arccos(np.clip(side * cosines, -1, 1))
     errors = [float(np.sqrt((angle[nearest == n] ** 2).mean())) for n in range(len(bodies))]
     if max(errors) < EXACT:  # What a function's gradient gives does not shrink.
         return passed(finest_error=errors[-1])
     return _in_order([1 / body.scale for body in bodies], errors, 1.0, {})
+
+
+def normals_of_a_plane(trial: Trial) -> Finding:
+    """Pass when the normals that came with the vertices are those of the plane, at its rim too.
+
+    Differences of neighbouring samples give the slope of an affine field exactly: over two cells,
+    and on the border of the volume over one. Normals of triangles are those of the plane as well.
+    They may point to high values or to low, all of them alike.
+    """
+    normals, known = trial.plain.normals, trial.case.facts.get("manifold")
+    if normals is None or trial.mesh.vertices.shape != normals.shape:
+        return skipped("no normals came with the vertices")
+    used = np.unique(trial.mesh.simplices)
+    if known is None or not len(used):
+        return skipped("the plane is not known, or nothing of it was drawn")
+    directions = _directions(normals[used])
+    if directions is None:
+        return failed(NO_DIRECTION)
+    points = trial.mesh.vertices[used]
+    slope = known.gradients(points[:1])[0, 0]
+    cosines = directions @ slope / np.linalg.norm(slope)
+    side = 1.0 if np.median(cosines) > 0 else -1.0
+    angles = np.arccos(np.clip(side * cosines, -1, 1))
+    bad = np.flatnonzero(angles > EXACT)
+    if not len(bad):
+        return passed(normals=len(used))
+    at = lattice_of(trial).index(points[bad])
+    border = int(((at <= 0) | (at >= np.array(trial.field.shape) - 1)).any(axis=1).sum())
+    return failed(
+        f"{len(bad)} of {len(used)} normals are not those of the plane, {border} of them on the "
+        f"border of the volume; the first at index {place(at[0])}, the worst is off by "
+        f"{np.degrees(angles.max()):.2g} degrees",
+        wrong=len(bad),
+        on_border=border,
+    )
+
+
+def _directions(normals: Floats) -> Floats | None:
+    """The normals at length one, or None where one has no length or is not finite."""
+    length = np.linalg.norm(normals.astype(np.float64), axis=1)
+    if not (np.isfinite(length).all() and (length > 0).all()):
+        return None
+    found: Floats = normals / length[:, None]
+    return found
 
 
 def thinness(mesh: Complex) -> dict[str, float]:
@@ -328,6 +375,19 @@ CLAIMS = (
         on_mesh(returned),
         kinds=is_surface,
         tags=frozenset({"accuracy"}),
+        promised=False,
+    ),
+    Claim(
+        "accuracy.normals_of_planes",
+        "Where normals come with the vertices, those of an affine field are the plane's, on the "
+        "border of the volume as well; all of them point to high values, or all to low.",
+        "Lorensen and Cline 1987: normals are differences of neighbouring samples, which are exact "
+        "where the field is affine",
+        None,
+        on_mesh(normals_of_a_plane),
+        kinds=is_surface,
+        families=sees_values,
+        tags=frozenset({"flat"}),
         promised=False,
     ),
     Claim(

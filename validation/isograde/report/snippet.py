@@ -347,6 +347,7 @@ SAMPLED = {
 # Claims that look at more than vertices and simplices, or leave out what is about one sample.
 LONG = frozenset(
     {
+        "accuracy.normals_of_planes",
         "accuracy.normals_returned",
         "accuracy.continuity",
         "curves.confidence",
