@@ -98,36 +98,36 @@ def lattice_of(n2: int, n3: int) -> Lattice:
 
 
 class Touched:
-    """Bytes of a slab in which something may be crossed, B of them.
+    """Bytes of some planes of a slab in which something may be crossed, B of them.
 
     A bit that is number b of the 8 B bits stands in byte b >> 3. What climbs by one from bit to
     bit, as places do, is known of all of them from a table for bytes: its entry is what a bit 0
-    has, less its b.
+    has, less its b. Places, rows and planes are counted from the first of the planes.
 
     where : (B,) the numbers of the bytes in the slab, which climb
-    row : (B,) in which row of the slab each lies
+    row : (B,) in which row each lies
     place : (B,) the place of its bit 0, less b
-    index : three times (B,) the lattice index of its bit 0, planes counted from the slab's first;
-        along axis 2 less b
+    index : three times (B,) the lattice index of its bit 0; along axis 2 less b
     """
 
-    def __init__(self, where: Integers, lattice: Lattice) -> None:
-        self.lattice, self.where = lattice, where
-        self.row = where // lattice.row_bytes
+    def __init__(self, where: Integers, lattice: Lattice, low: int) -> None:
+        self.lattice, self.where, self.low = lattice, where, low
+        own = where - low * lattice.plane_bytes
+        self.row = own // lattice.row_bytes
         i = self.row // lattice.n2
-        self.place = where - np.arange(len(where)) << 3
+        self.place = own - np.arange(len(own)) << 3
         self.index = i, self.row - i * lattice.n2, self.place - self.row * lattice.row
 
     @cached_property
     def sample(self) -> Integers:
-        """(B,) the number of the sample of each byte's bit 0 in the slab, less b."""
+        """(B,) the number of the sample of each byte's bit 0, less b."""
         if self.lattice.row == self.lattice.n3:
             return self.place
         return np.asarray(self.row * self.lattice.n3 + self.index[2])
 
     def before(self, plane: int) -> int:
-        """How many of the bytes lie in planes before this one of the slab."""
-        return int(self.where.searchsorted(plane * self.lattice.plane_bytes))
+        """How many of the bytes lie in planes before this one."""
+        return int(self.where.searchsorted((self.low + plane) * self.lattice.plane_bytes))
 
 
 class Set:
@@ -147,7 +147,7 @@ class Set:
         return places
 
     def samples(self, which: Integers | None = None) -> Integers:
-        """(N,) the number of the sample of each bit, or of those asked for, in the slab."""
+        """(N,) the number of the sample of each bit, or of those asked for."""
         if which is None:
             samples: Integers = take(self.touched.sample, self.byte)
             samples += self.bit
@@ -155,7 +155,7 @@ class Set:
         return np.asarray(take(self.touched.sample, take(self.byte, which)) + take(self.bit, which))
 
     def lattice_index(self, axis: int, which: Integers) -> Integers:
-        """The index along an axis of some bits, planes counted from the slab's first."""
+        """The index along an axis of some bits."""
         index: Integers = take(self.touched.index[axis], take(self.byte, which))
         if axis == 2:
             index += take(self.bit, which)
@@ -259,7 +259,7 @@ class Bits:
         return np.asarray(take(self.work, where) & take(self.has_cell, where))
 
     def cells(self, touched: Touched, high: int) -> tuple[Set, Bytes]:
-        """The active cells before a plane of the slab, and their signs."""
+        """The active cells before a plane, and their signs."""
         where = touched.where[: touched.before(high)]
         cells = Set(touched, _set_bits(self.active(where)))
         corners = np.empty((len(where), 8), np.uint8)

@@ -44,15 +44,16 @@ from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
-# At most so many places in a slab, so that its bits and the numbers of its vertices fit the last
-# cache; so many samples compared at once, and about so many active cells, so that their arrays fit
-# the second.
-SLAB_POINTS = 1 << 20
+# At most so many places in a slab, its last plane too, so that its bits and the numbers of its
+# vertices fit the last cache; so many samples compared at once, and about so many active cells, so
+# that their arrays fit the second.
+SLAB_POINTS = 17 << 16
 CHUNK_POINTS = 1 << 17
-PART_CELLS = 3 << 14
+PART_CELLS = 1 << 15
 
-# At most so many vertices that room is made for at once.
-EXPECTED = 1 << 19
+# At most so many vertices that room is made for at once. To move to larger arrays leaves the
+# allocator with the smaller ones, so there should be room for most surfaces.
+EXPECTED = 1 << 21
 
 # The vertices of a slab's edges may take so many bytes of a room that is kept for the next call.
 KEPT = 1 << 22
@@ -111,7 +112,9 @@ _NO_CROSSINGS = np.empty((12, 0, 3))
 class _Room:
     """The arrays that all slabs of at most so many planes of cells work in.
 
-    vertex_of : (3 * places,) the vertex on each crossed edge of a slab, counted from `offset` on
+    vertex_of : (3 * places,) the vertex on each crossed edge of a part, counted from `offset` on; a
+        part's places are counted from its own first plane, so of a slab in many parts most is never
+        written
     edges, found, nodes : of a block of fans: the edges and vertices at one node, and the vertices
         at all of them
     """
@@ -176,16 +179,13 @@ class _Points:
 class _Part:
     """A part of a slab: its cells between two of the slab's planes.
 
-    first : the first plane of the slab in the volume
-    planes : how many planes of cells the slab has
-    low, high : the planes between which the part lies, counted from the slab's first
-    samples : of the slab, flat
+    first : the first of its planes in the volume
+    planes : how many planes of cells it has
+    samples : from that plane on, flat
     """
 
     first: int
     planes: int
-    low: int
-    high: int
     samples: Array
 
 
@@ -251,7 +251,7 @@ class _Sweep:
         layers = self.field.shape[0] - 1
         if min(self.field.shape) < 2:
             return
-        planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane))
+        planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane - 1))
         chunk = min(planes, max(1, CHUNK_POINTS // self.lattice.plane))
         with _room(self.lattice, planes, chunk, self.triangles.array.dtype.type) as room:
             self._move_in(room)
@@ -265,7 +265,7 @@ class _Sweep:
         self.edges, self.found, self.nodes = room.edges, room.found, room.nodes
         self.bits.level = self.level
         self.copied: Array | None = None  # the samples of a slab, where they lie in another order
-        # Vertices of a slab are numbered from `offset` on, the first vertex of the slab before.
+        # Vertices of a part are numbered from `offset` on, the first vertex of the part before.
         self.offset = self.begun = 0
         # Where on their edges the crossings are of this part and the one before: as they came, each
         # with the number of its first vertex, and, where averages ask, so many of them by number.
@@ -278,22 +278,24 @@ class _Sweep:
         samples = self._samples(first, planes)
         where = self.bits.slab(samples)
 
-        # Number the vertices from the first one of the slab before, which shares a plane.
-        self.recent, self.entered = [one for one in self.recent if one[0] >= self.begun], 0
-        self.offset, self.begun = self.begun, self.vertices.size
-        self.vertex_of[self.upper_edges] = self.upper_vertices
-        self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
-
         # Go through the active cells part by part; the last plane of one is the first of the next.
         if len(where):
             starts = where.searchsorted(self.lattice.plane_bytes * np.arange(planes + 2))
             for low, high in pairwise(self._parts(where, starts, planes)):
-                part = _Part(first, planes, low, high, samples.reshape(-1))
-                touched = Touched(where[starts[low] : starts[high + 1]], self.lattice)
+                part = _Part(first + low, high - low, samples[low:].reshape(-1))
+                touched = Touched(where[starts[low] : starts[high + 1]], self.lattice, low)
+                self._enter()
                 self._make_crossings(part, touched)
                 self._make_cells(part, touched)
                 yield (first + high) / (self.field.shape[0] - 1)
         self.bits.go_on(planes)
+
+    def _enter(self) -> None:
+        """Begin a part: its first plane is the last of the part before, whose vertices it knows."""
+        self.recent, self.entered = self.recent[-1:], 0
+        self.offset, self.begun = self.begun, self.vertices.size
+        self.vertex_of[self.upper_edges] = self.upper_vertices
+        self.upper_edges = self.upper_vertices = np.empty(0, np.int64)
 
     def _samples(self, first: int, planes: int) -> Array:
         """The samples of these planes and of the one behind them, in C order and native numbers."""
@@ -329,8 +331,7 @@ class _Sweep:
 
         They are those between its planes, and on all of these but the lowest.
         """
-        lowest = part.low + bool(part.first or part.low)
-        edges, ends = self.bits.edges(touched, lowest, part.high)
+        edges, ends = self.bits.edges(touched, int(part.first > 0), part.planes)
         at = edges.places()
         self._number(part, at, ends)
 
@@ -341,7 +342,7 @@ class _Sweep:
         for axis, step in enumerate(self.lattice.sample_steps.tolist()):
             at[ends[axis] : ends[axis + 1]] += step
         t = self._parameters_of(below, self._relative(take(part.samples, at)))
-        self._remember(t)
+        self.recent.append((self.vertices.size, t))
         if self.traced:
             self._trace(part, edges.samples(), at, t)
 
@@ -355,28 +356,24 @@ class _Sweep:
             index[ends[axis] : ends[axis + 1]] += t[ends[axis] : ends[axis + 1]]
             out[:, axis] = self._position(index, axis)
 
-    def _remember(self, t: Floats) -> None:
-        """Keep where the new crossings are, and those of the part before, whose plane we share."""
-        gone = max(0, len(self.recent) - 1)
-        del self.recent[:gone]
-        self.entered = max(0, self.entered - gone)
-        self.recent.append((self.vertices.size, t))
-
     def _number(self, part: _Part, places: Integers, ends: list[int]) -> None:
-        """Give the edges of a part the next numbers; keep those that the next slab needs."""
+        """Give the edges of a part the next numbers; keep those that the next part needs."""
         names = 3 * places
         for axis in (1, 2):
             names[ends[axis] : ends[axis + 1]] += axis
         start = self.vertices.size - self.offset
         self.vertex_of[names] = np.arange(start, start + len(names), dtype=np.int32)
-        if part.high < part.planes:
-            return
 
-        # The edges on the last plane are those on the first plane of the next slab.
+        # The edges on the last plane are those on the first plane of the next part.
         top = part.planes * self.lattice.plane
-        kept = (places >= top).nonzero()[0]
+        kept = np.concatenate(
+            [
+                np.arange(begin + places[begin:end].searchsorted(top), end)
+                for begin, end in pairwise(ends[1:])
+            ]
+        )
         self.upper_edges = names[kept] - 3 * top
-        self.upper_vertices = kept + (self.vertices.size - self.begun)
+        self.upper_vertices = kept  # counted from the first vertex of this part
 
     def _trace(self, part: _Part, low: Integers, high: Integers | int, t: Floats | float) -> None:
         """Say of new vertices between which samples of the slab they lie, and where."""
@@ -415,7 +412,7 @@ class _Sweep:
 
     def _make_cells(self, part: _Part, touched: Touched) -> None:
         """Add the triangles of active cells, and note their interior points."""
-        cells, signs = self.bits.cells(touched, part.high)
+        cells, signs = self.bits.cells(touched, part.planes)
         if not len(signs):
             return
         keys = self._keys(part.samples, cells, signs)

@@ -1,10 +1,12 @@
 """The vectorised sweep gives the mesh of the article, whatever the samples and their layout."""
 
 import tracemalloc
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import isoref.fast.sweep
@@ -356,3 +358,26 @@ def test_vertices_do_not_move_where_values_are_huge_or_tiny(carry: Carry, size: 
     scaled = carry(rule, Field.of(values * size), 0.0)
     assert len(plain.vertices) > 10
     assert np.allclose(scaled.vertices, plain.vertices, rtol=0, atol=1e-12)
+
+
+def test_of_a_folded_slab_the_table_of_vertices_is_written_for_one_part_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Places of a part are counted from its own first plane: memory that is never written."""
+    module = isoref.fast.sweep
+    rooms = []
+
+    class Room(module._Room):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            self.vertex_of[:] = -7
+            rooms.append(self)
+
+    monkeypatch.setattr(module, "_Room", Room)
+    monkeypatch.setattr(module, "_rooms", deque(maxlen=4))
+    monkeypatch.setattr(module, "PART_CELLS", 1)
+    field = Field.of(np.random.default_rng(5).normal(size=(30, 8, 8)))
+    mesh = sweep(RULES["asymptotic-decider"], field, 0.1)
+    written = (rooms[0].vertex_of != -7).reshape(-1, 3 * 64).any(axis=1)
+    assert len(mesh.vertices) > 1000
+    assert written.tolist() == [True] * 2 + [False] * 28
