@@ -322,9 +322,9 @@ def test_every_fact_about_an_analytic_case_is_stated_of_some() -> None:
     assert sum("closed" in case.tags for case in listed) >= 3
 
 
-# Cases of every kind, whose numbers never change: those of before there was one catalogue.
+# Cases of every kind, whose numbers never change; where one is added, its kind is graded again.
 FROZEN = {
-    "contours": "13a35edfafc3",
+    "contours": "34e88546cb0d",
     "curves": "489c2e7cf962",
     "simplices": "f144c34ceb62",
     "accuracy": "5c9e4b939926",

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from isoref.field import Field, Floats
 
+from isograde.cases.shapes import CHEAP, ENDS, LONG, gentle
 from isograde.model import CONTOURS, Case
 
 
@@ -40,6 +41,13 @@ def cases(seed: int = 0) -> list[Case]:
             name = f"saddle-{'mean-in' if mean else 'mean-out'}-{'in' if saddle else 'out'}"
             build = partial(_saddle, mean, saddle)
             listed.append(_case(name, build, 0.0, (2, 2), "cells posed"))
+    for axis in range(2):
+        build = partial(_long, seed, axis)
+        listed.append(_case(f"long-{axis}", build, 0.0, (LONG, 4), "large", only=CHEAP))
+    one, every = {"closed": 1, "open": 0}, {"closed": 400, "open": 0}
+    also = (*CHEAP, "curves.count")
+    listed.append(_case("winding", _winding, 0.0, (WIDE, WIDE), "large known", one, also))
+    listed.append(_case("specks", partial(_specks, seed), 0.0, (41, 41), "noise known", every))
     return listed
 
 
@@ -50,14 +58,17 @@ def _case(
     shape: tuple[int, int],
     tags: str,
     facts: Mapping[str, Any] | None = None,
+    only: tuple[str, ...] = (),
 ) -> Case:
     """The case of this name; `tags` are separated by spaces."""
     labels = frozenset({"contours", *tags.split()})
-    samples = int(np.prod(shape))
-    return Case(f"contours/{name}", build, (isovalue,), samples, labels, facts or {}, CONTOURS)
+    size, key = int(np.prod(shape)), f"contours/{name}"
+    return Case(key, build, (isovalue,), size, labels, facts or {}, CONTOURS, only)
 
 
 PLANE = (25, 29)
+# A comb of so many teeth has an outline of more than 65,536 points.
+WIDE = 271
 
 
 def _plane() -> tuple[Floats, Floats, tuple[float, float]]:
@@ -139,6 +150,29 @@ def _small(seed: int) -> Field:
 def _narrow(seed: int) -> Field:
     """Noise two samples wide: squares with borders on both sides."""
     return Field.of(np.random.default_rng(seed + 2).normal(size=(2, 24)))
+
+
+def _long(seed: int, axis: int) -> Field:
+    """Low samples, with noise in the first and last layers of an axis beyond 65,536 samples."""
+    values = np.full((LONG, 4), -1.0)
+    values[:ENDS] = gentle("contours/long", seed, (ENDS, 4))
+    values[-ENDS:] = gentle("contours/long/end", seed, (ENDS, 4))
+    return Field.of(np.ascontiguousarray(np.moveaxis(values, 0, axis)))
+
+
+def _winding() -> Field:
+    """A comb: every second line of samples is inside, and all are joined at one end."""
+    values = -np.ones((WIDE, WIDE))
+    values[1:-1:2, 1:-1] = 1
+    values[1:-1, 1] = 1
+    return Field.of(values)
+
+
+def _specks(seed: int) -> Field:
+    """A high sample at every second place in either direction, none at the border."""
+    values = -np.abs(gentle("contours/specks", seed, (41, 41)))
+    values[1::2, 1::2] *= -1
+    return Field.of(values)
 
 
 def _bytes(seed: int) -> Field:

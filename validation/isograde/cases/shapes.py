@@ -12,6 +12,8 @@ mixed   three different lengths in every order
 long    an axis beyond 65,536 samples, with noise at both its ends; nothing between
 deep    noise in the last samples of a field whose lattice edges have numbers beyond 2 ** 24
 ends    lengths about 256, where blocks of 8 to 256 cells leave one cell over, two, or none
+column  noise along an axis through more than 4 million samples, in full runs
+fine    more than a million doubles that single precision does not tell apart, in full runs
 many    more than 65,536 vertices
 dense   more than 400,000: of 32-bit hashes of their edges some would be equal, whatever the hash
 specks  343 pieces, each round one sample
@@ -51,6 +53,10 @@ LENGTHS = (256, 257, 258, 259)
 MANY = (36, 38, 40)
 DENSE = (64, 66, 68)
 HUGE = (226, 226, 226)
+# More than a million samples, in whose doubles single precision sees one number.
+FINE, BASE = (102, 102, 102), 2.0**30
+# More than 2 ** 22 samples: a program that works in parts has several.
+COLUMN, CORE = (1040, 65, 65), slice(30, 36)
 
 
 def gentle(name: str, seed: int, shape: tuple[int, ...]) -> Floats:
@@ -95,6 +101,20 @@ def specks(name: str, seed: int) -> Field:
     return Field.of(values)
 
 
+def fine(name: str, seed: int) -> Field:
+    """Noise on a number so large that single precision does not tell its samples apart."""
+    return Field.of(BASE + gentle(name, seed, FINE))
+
+
+def column(name: str, seed: int, axis: int) -> Field:
+    """Low samples, with a column of noise along an axis through all of them."""
+    values = np.full(COLUMN, -1, np.int8)
+    inner = values[:, CORE, CORE]
+    size = integers(name, seed, inner.shape, 64, 128)
+    inner[...] = np.where(integers(f"{name}/side", seed, inner.shape, 0, 2), size, -size)
+    return Field.of(np.ascontiguousarray(np.moveaxis(values, 0, axis)))
+
+
 def cases(seed: int = 0) -> list[Case]:
     """Thin and mixed noise, long axes, many vertices, many pieces; the largest in full runs."""
     made = [_noise(f"shapes/{_named(shape)}", seed, shape) for shape in (*THIN, *MIXED)]
@@ -104,12 +124,17 @@ def cases(seed: int = 0) -> list[Case]:
         for length in LENGTHS:
             name = f"shapes/ends-{length}-{axis}"
             made.append(_end(name, partial(ends, name, seed, length, axis)))
+        name = f"shapes/column-{axis}"
+        build = partial(column, name, seed, axis)
+        made.append(_large(name, build, 0.0, int(np.prod(COLUMN)), "full"))
     made.append(_deep("shapes/deep", seed))
     for name, shape in (("shapes/many", MANY), ("shapes/dense", DENSE)):
         made.append(_large(name, partial(many, name, seed, shape), 0.5, int(np.prod(shape))))
     name = "shapes/huge"
     build = partial(many, name, seed, HUGE)
     made.append(_large(name, build, 0.5, int(np.prod(HUGE)), "full"))
+    name = "shapes/fine"
+    made.append(_large(name, partial(fine, name, seed), BASE, int(np.prod(FINE)), "full"))
     name = "shapes/specks"
     tags = frozenset({"shapes", "noise"})
     made.append(Case(name, partial(specks, name, seed), (0.0,), 15**3, tags, {"components": 343}))
