@@ -36,6 +36,7 @@ from tests.isograde.faults import (
     placed,
     strangers_numbers,
     strangers_shapes,
+    strangers_third,
 )
 from tests.isograde.faults.catching import caught_by, lowest, rank, tasks_of, worker_of
 from tests.isograde.faults.registry import FAULTS, SURVIVORS, Fault
@@ -43,7 +44,16 @@ from tests.isograde.faults.sharing import MOST, Sound, family, sound_worker, ver
 
 HERE = Path(__file__).resolve().parents[3]
 BUILD = HERE / "build" / "faults"
-MODULES = (blind, histories, kinds, outsiders, placed, strangers_numbers, strangers_shapes)
+MODULES = (
+    blind,
+    histories,
+    kinds,
+    outsiders,
+    placed,
+    strangers_numbers,
+    strangers_shapes,
+    strangers_third,
+)
 CAUGHT = Path(__file__).parent / "caught.json"
 KEPT = HERE / "reports" / "faults" / "matrix.jsonl"
 REPORT = HERE / "reports" / "faults" / "README.md"
