@@ -9,6 +9,8 @@ outsiders   shortcuts that nobody looked for, and what the plan lets pass
 placed      faults of axes that run elsewhere in the world
 strangers_numbers, strangers_shapes
             written by two who knew the README and `isograde explain` alone, for plan 4
+strangers_third
+            written by a third, who met plan 4: what survived it stands in `registry.SURVIVORS`
 catching    the default plan, asked until a promise is broken
 matrix      ``make faults``: the whole plan, every fault, every claim, into a report
 caught.json for each fault a case of the plan that catches it, and what is broken there;

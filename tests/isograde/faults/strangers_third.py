@@ -1,9 +1,9 @@
 """Faults of a third stranger: what an author's own volumes are too small, too few or too tidy for.
 
 They were written, and frozen, before their author had graded anything or read more than the README
-and `isograde explain`. There were twenty-four. Three are here already: a weld within 1e-8 metres
-(`strangers_numbers.WeldedInMetres`), slivers left out (`strangers_shapes.NoAreaNoTriangle`), and a
-workspace that two threads share (`test_claims_calls`).
+and `isograde explain`. There were twenty-four. Four were here already, and are caught: a weld
+within 1e-8 metres (`strangers_numbers.WeldedInMetres`), slivers left out (`NoAreaNoTriangle`),
+products of 32 bits (`outsiders.ShortProducts`), a workspace of all threads (`test_claims_calls`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ASKS = np.array([has_ambiguous_face(signs) for signs in range(256)])
 
 
 @stranger("topology.sides")
-class ThousandASide(Engine):
+class ThousandOnEachAxis(Engine):
     """A vertex is known by 1e6 i + 1e3 j + k, as if no axis had more than a thousand samples."""
 
     def flat(self, index: Array, shape: tuple[int, ...]) -> Array:
@@ -93,33 +93,7 @@ class SingleWhereLarge(Engine):
         return super().relative(samples, alpha)
 
 
-def separated_in_32_bits(a: Array, b: Array, c: Array, d: Array) -> Array:
-    """Whether faces are separated, by products that overflow."""
-    a, b, c, d = (x.astype(np.int32) for x in (a, b, c, d))
-    with np.errstate(over="ignore"):
-        return np.asarray(np.where(a >= 0, a * c < b * d, b * d < a * c))
-
-
-@stranger("topology.bilinear")
-class ProductsOf32Bits(Engine):
-    """Whole samples of 16 bits and a whole isovalue: the decider's products have 32 bits."""
-
-    whole = False
-
-    def relative(self, samples: Array, alpha: float) -> Array:
-        """Differences; whether they are whole is kept."""
-        short = samples.dtype.kind in "iu" and samples.dtype.itemsize <= 2
-        self.whole = short and abs(alpha) < 2**16 and alpha == int(alpha)
-        return super().relative(samples, alpha)
-
-    def decisions(self, g: Array, signs: Array, cells: Array) -> Array:
-        """What the decider says, in whole numbers where it can."""
-        if not self.whole:
-            return super().decisions(g, signs, cells)
-        return np.where(ASKS[signs], decide_faces(g, separated_in_32_bits), 0)
-
-
-@stranger("topology.closed")
+@stranger("range.extremes", promised=["range.extremes"])
 class SaddleFromItsOwnCorner(Engine):
     """The saddle's value is computed from the corner at which a cell begins its face.
 
@@ -200,7 +174,7 @@ class BricksBesideAndNotAcross(Engine):
         return np.asarray(found & seen[tuple(slice(n) for n in found.shape)])
 
 
-@stranger("calls.again", promised=["calls.again"])
+@stranger("symmetry.orientation")
 class KeptWithoutShape(Engine):
     """Eight answers are kept, by all bytes, their type, isovalue and spacing, and not the shape."""
 
@@ -419,7 +393,7 @@ class Contours:
 
 
 @contours("topology.sides")
-class RasterOf16Bits(Contours):
+class RasterOfShortIndices(Contours):
     """Rows and columns are kept with 16 bits, and a map of the world has more."""
 
     def cells(self, cells: Array) -> Array:
