@@ -20,6 +20,7 @@ MODULES = {
     "pymcubes": "mcubes",
     "pytessel": "pytessel",
     "pysplashsurf": "pysplashsurf",
+    "pyvista": "pyvista",
     "scikit-image": "skimage",
     "vtk": "vtkmodules",
     "yt": "yt",
