@@ -90,6 +90,28 @@ def test_compare_lays_reports_side_by_side(flawed: Path, sound: Path, tmp_path: 
     assert run("compare", flawed, "-o", tmp_path / "table.pdf").exit_code == 2
 
 
+def test_compare_says_what_makes_reports_hard_to_compare(
+    flawed: Path, sound: Path, tmp_path: Path
+) -> None:
+    """Issue 16: scans that one was not asked about, and a grade that was begun beside a report."""
+    assert "graded without" not in run("compare", flawed, sound).output
+    lines = (sound / "report.jsonl").read_text(encoding="utf-8").splitlines()
+    scanned = []
+    for line in map(json.loads, lines):
+        if line["record"] == "case" and line["id"] == "pairs/0217":
+            line["tags"] = [*line["tags"], "real"]
+        scanned.append(json.dumps(line))
+    (tmp_path / "report.jsonl").write_text("\n".join(scanned) + "\n", encoding="utf-8")
+    (tmp_path / "unfinished-report.jsonl").touch()
+    without = "was graded without 1 of the 1 scans"
+    for name, more in (("table.md", []), ("table.html", []), ("choose.html", ["--choose"])):
+        result = run("compare", flawed, tmp_path, *more, "-o", tmp_path / name)
+        assert result.exit_code == 0
+        for text in (result.output, (tmp_path / name).read_text(encoding="utf-8")):
+            assert f"isoref:lorensen-cline {without}" in " ".join(text.split())
+            assert "unfinished-report.jsonl, of one that did not end" in " ".join(text.split())
+
+
 def test_a_report_that_was_cut_off_is_said_to_be(flawed: Path, tmp_path: Path) -> None:
     lines = (flawed / "report.jsonl").read_text(encoding="utf-8").splitlines()
     cut = tmp_path / "cut.jsonl"

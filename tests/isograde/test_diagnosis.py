@@ -17,7 +17,7 @@ from isograde.report.diagnosis import cells_round, diagnosis, right_cells, wrong
 from isograde.report.findings import causes
 from isograde.report.misplaced import crossings, misplacement
 from isograde.report.reading import Report
-from isograde.report.words import verdict
+from isograde.report.words import right, verdict
 from isoref.field import Field
 
 from tests.isograde import broken_tables, families
@@ -216,6 +216,27 @@ def test_a_wrong_interpolation_is_told(share: Any, word: str) -> None:
     low, high, right = crossings(values, 0.0)
     vertices = np.asarray(low + share(right)[:, None] * (high - low), float)
     assert word in misplacement(vertices, values, 0.0, np.ones(3))
+
+
+def closed_at_samples(values: Any, isovalue: float, spacing: Any) -> Any:
+    """Marching cubes with a vertex on each sample at the ends of the first axis that is inside."""
+    vertices, faces = mini.plain(values, isovalue, spacing)
+    ends = np.argwhere(values >= isovalue)
+    ends = ends[(ends[:, 0] == 0) | (ends[:, 0] == values.shape[0] - 1)]
+    return np.concatenate([vertices, ends * np.asarray(spacing)]), faces[1:]
+
+
+def test_no_share_is_called_wrong_where_every_crossing_is_right() -> None:
+    """PyGEL3D's page said both, of vertices on samples of the border."""
+    values = np.random.default_rng(2).standard_normal((4, 5, 6))
+    vertices, _ = closed_at_samples(values, 0.0, (1.0, 1.0, 1.0))
+    asked = (vertices, values, 0.0, np.ones(3))
+    assert "at a wrong share of the way" in misplacement(*asked)
+    assert misplacement(*asked, shares=False) == ""
+    report = made(closed_at_samples, "noise/white-6x7x5")
+    assert "every crossing is where the interpolant has it" in right(report)
+    said = " ".join(cause.said for cause in causes(report))
+    assert "share" not in said, said
 
 
 def test_a_vertex_that_is_astray_alone_is_no_map() -> None:

@@ -195,6 +195,15 @@ def test_what_was_graded_on_fewer_scans_stands_beside_no_other() -> None:
     assert league.fewer_scans([]) == {}
 
 
+def test_a_grade_that_did_not_end_is_told_in_the_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(league, "REPORTS", tmp_path)
+    assert league.begun("octave") == ""
+    (tmp_path / "unfinished-octave.jsonl").touch()
+    assert league.begun("octave").endswith("a grade of it was begun, and did not end")
+
+
 @pytest.mark.slow
 def test_a_promise_withdrawn_changes_what_is_held_and_nothing_that_was_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

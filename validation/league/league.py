@@ -47,11 +47,12 @@ from isograde.adapters import ready_made_names
 from isograde.cases import PLAN, all_cases
 from isograde.claims import CLAIMS
 from isograde.declaration import declaration_from, declaration_json
-from isograde.drafts import Busy
+from isograde.drafts import Busy, unfinished
 from isograde.grading import grade as graded
 from isograde.model import SURFACES, AdapterError, Limits
 from isograde.progress import progress
 from isograde.report.choosing import About, choosing_page, twelve_lines
+from isograde.report.comparison import fewer_scans
 from isograde.report.headline import headline
 from isograde.report.lines import lines, write_lines
 from isograde.report.packed import packed
@@ -470,6 +471,7 @@ def page(*, plain: bool = False) -> Path:
             stem = path.name.removesuffix(".jsonl.gz")
             links[name] = f"{os.path.relpath(folder, REPORTS)}/{stem}.html"
     absent |= fewer_scans(found)
+    absent = {name: f"{why}{begun(name)}" for name, why in absent.items()}
     found = [one for one in found if one.name not in absent]
     for package in packages():
         for method in package.methods:
@@ -488,19 +490,9 @@ def page(*, plain: bool = False) -> Path:
     return reports.write_whole(REPORTS / "index.html", text if plain else packed(text, again))
 
 
-def fewer_scans(found: Sequence[Report]) -> dict[str, str]:
-    """By name, of what extracts surfaces, what was graded on fewer scans than the others."""
-    scans = {
-        one.name: {case for case, said in one.cases.items() if "real" in said["tags"]}
-        for one in found
-        if SURFACES in one.kinds
-    }
-    every = set().union(*scans.values())
-    return {
-        name: f"graded without {len(every - own)} of the {len(every)} scans (ISOGRADE_DATA)"
-        for name, own in scans.items()
-        if every - own
-    }
+def begun(name: str) -> str:
+    """That a grade of a method stands unfinished, to be put after why it has no row; or nothing."""
+    return "; a grade of it was begun, and did not end" if unfinished(kept(name)).exists() else ""
 
 
 def between(text: str, best: str) -> str:

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from isograde import report as reports
 from isograde.commands.console import Exit, console, errors, say, stop
+from isograde.drafts import unfinished
 from isograde.report import choosing, comparison, lines, reading, words
 from isograde.report.headline import by_level, headline
 from isograde.report.packed import packed
@@ -78,14 +79,17 @@ def compare(
     found = [read_report(path) for path in files]
     if told := comparison.unlike(found):
         stop(Exit.WRONG_USE, told)
+    notes = [*_fewer_scans(found), *_begun(files)]
+    for note in notes:
+        errors.print(f"[yellow]{escape(note)}[/]")
     if out is not None:
         if out.suffix not in {".html", ".md"}:
             stop(Exit.WRONG_USE, f"{out} ends in neither .html nor .md")
         if out.suffix == ".html":
-            text = _page(found, [page_beside(path, out) for path in files], choose)
+            text = _page(found, [page_beside(path, out) for path in files], notes, choose=choose)
             text = packed(text, f"isograde compare {AGAIN[choose]}") if pack else text
         else:
-            text = comparison.markdown_table(found)
+            text = comparison.markdown_table(found, notes)
         try:
             reports.write_whole(out, text)
         except OSError as error:
@@ -99,14 +103,32 @@ def compare(
     console.print(_table(sorted(found, key=by_level)))
 
 
-def _page(found: list[reading.Report], links: list[str], choose: bool) -> str:
+def _fewer_scans(found: list[reading.Report]) -> list[str]:
+    """A sentence for each report that has fewer real scans than the others."""
+    return [
+        f"{name} was {why}: what it gets wrong on those does not count against it."
+        for name, why in comparison.fewer_scans(found).items()
+    ]
+
+
+def _begun(files: list[Path]) -> list[str]:
+    """A sentence for each report beside which a later grade was begun, and is not done."""
+    return [
+        f"{place} is of an earlier grade: beside it stands {unfinished(place).name}, of one that "
+        "did not end."
+        for place in map(file_of, files)
+        if unfinished(place).exists()
+    ]
+
+
+def _page(found: list[reading.Report], links: list[str], notes: list[str], *, choose: bool) -> str:
     """Reports side by side, or rows to choose by."""
     if not choose:
-        return comparison.comparison_page(found, links)
+        return comparison.comparison_page(found, links, notes=notes)
     named = [one.name for one in found]
     # Of reports of one name, two runs say, a link would lead to the wrong one.
     alone = {name: link for name, link in zip(named, links, strict=True) if named.count(name) == 1}
-    return choosing.choosing_page(found, alone)
+    return choosing.choosing_page(found, alone, notes=notes)
 
 
 def _table(found: list[reading.Report]) -> Table:

@@ -470,12 +470,14 @@ def choosing_page(
     absent: Mapping[str, str] | None = None,
     costs: Mapping[str, Measured] | None = None,
     versions: Sequence[tuple[Report, str]] = (),
+    notes: Sequence[str] = (),
 ) -> str:
     """The page as one HTML file.
 
     links, about, costs : by the implementation's name
     absent : by name, why an implementation could not be graded
     versions : reports of several versions of the same implementations, each with its page
+    notes : sentences on what makes the reports hard to compare
     """
     about = about or {}
     grouped = pages(reports, links, about, costs)
@@ -484,7 +486,7 @@ def choosing_page(
     return (
         environment()
         .get_template("choosing.html")
-        .render(pages=grouped, absent=left, count=len(reports), trends=told)
+        .render(pages=grouped, absent=left, count=len(reports), trends=told, notes=notes)
     )
 
 

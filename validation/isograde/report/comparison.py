@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from isograde.model import Verdict
+from isograde.model import SURFACES, Verdict
 from isograde.report import words
 from isograde.report.findings import by_choice
 from isograde.report.headline import anded, by_level, by_topology, standing, titled
@@ -46,6 +46,21 @@ def unlike(reports: Sequence[Report]) -> str:
             told = ", ".join(f"{value} for {who}" for value, who in said.items())
             return f"reports of unlike plans: {name} is {told}; grade again by the same"
     return ""
+
+
+def fewer_scans(reports: Sequence[Report]) -> dict[str, str]:
+    """By name, of what extracts surfaces, what was graded on fewer real scans than the others."""
+    scans = [
+        (one.name, {case for case, said in one.cases.items() if "real" in said["tags"]})
+        for one in reports
+        if SURFACES in one.kinds
+    ]
+    every = set().union(*(own for _, own in scans))
+    return {
+        name: f"graded without {len(every - own)} of the {len(every)} scans (ISOGRADE_DATA)"
+        for name, own in scans
+        if every - own
+    }
 
 
 def changes(before: Report, after: Report) -> list[Change]:
@@ -126,9 +141,12 @@ def by_kinds(reports: Sequence[Report]) -> dict[str, list[Report]]:
     return groups
 
 
-def markdown_table(reports: Sequence[Report]) -> str:
-    """Headlines in both orders, then claims down and implementations across, a part for kinds."""
-    parts = ["# Comparison"]
+def markdown_table(reports: Sequence[Report], notes: Sequence[str] = ()) -> str:
+    """Headlines in both orders, then claims down and implementations across, a part for kinds.
+
+    `notes` are sentences on what makes the reports hard to compare.
+    """
+    parts = ["# Comparison", *map(plain, notes)]
     for name, group in by_kinds(reports).items():
         parts.append(f"## {name[:1].upper()}{name[1:]}")
         parts += [_headlines(title, group) for title in ORDERS]
@@ -190,12 +208,15 @@ def _rows(reports: Sequence[Report]) -> str:
 
 
 def comparison_page(
-    reports: Sequence[Report], links: Sequence[str], absent: Mapping[str, str] | None = None
+    reports: Sequence[Report],
+    links: Sequence[str],
+    absent: Mapping[str, str] | None = None,
+    notes: Sequence[str] = (),
 ) -> str:
     """Headlines in both orders, claims down, implementations across, as one HTML file.
 
     `links` are the addresses of the implementations' own pages, empty where there is none; `absent`
-    says why other implementations are missing.
+    says why other implementations are missing, and `notes` what makes the reports hard to compare.
     """
     link_of = {id(report): link for report, link in zip(reports, links, strict=True)}
     tables = {
@@ -218,5 +239,6 @@ def comparison_page(
             RUN=RUN,
             link_of=lambda report: link_of[id(report)],
             absent=absent or {},
+            notes=notes,
         )
     )

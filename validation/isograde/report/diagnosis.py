@@ -30,7 +30,7 @@ from isograde.oracles.lattice import Lattice
 from isograde.report.headline import anded
 from isograde.report.lines import JSON
 from isograde.report.misplaced import Placed, misplacement, on_diagonals, shared
-from isograde.report.reading import Report, Summary, bad_of
+from isograde.report.reading import Report, Summary, bad_in, bad_of
 from isograde.variants import MAGNITUDES
 
 TRILINEAR, BILINEAR = "topology.trilinear", "topology.bilinear"
@@ -437,7 +437,19 @@ def _misplaced(report: Report, summary: Summary, seen: Seen | None) -> Told:
         told = shared(placed, others, kuhn=True)
         if told is not None:
             return _on_split(others, told)
-    return misplacement(placed.vertices, placed.values, placed.isovalue, placed.spacing)
+    vertices, values = placed.vertices, placed.values
+    shares = not _crossings_hold(report)
+    return misplacement(vertices, values, placed.isovalue, placed.spacing, shares=shares)
+
+
+def _crossings_hold(report: Report) -> bool:
+    """Whether the page says of fields in general position that every crossing is right.
+
+    Vertices that stand on samples, as where a surface is closed at the border, seem to stand on
+    crossed edges too: at a wrong share of the way, which that sentence denies.
+    """
+    summary = report.summaries.get("geometry.crossing")
+    return summary is not None and bool(summary.evidence) and not bad_in(summary.general)
 
 
 def _on_split(answers: Sequence[Placed], told: str) -> Told:

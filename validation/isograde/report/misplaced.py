@@ -38,19 +38,23 @@ class Placed:
     spacing: Floats
 
 
-def misplacement(vertices: Floats, values: Floats, isovalue: float, spacing: Floats) -> str:
-    """What moves the vertices (V, n), in index coordinates, off the crossings; or nothing."""
+def misplacement(
+    vertices: Floats, values: Floats, isovalue: float, spacing: Floats, *, shares: bool = True
+) -> str:
+    """What moves the vertices (V, n), in index coordinates, off the crossings; or nothing.
+
+    `shares` : say so where single vertices stand at a wrong share of the way along their edges
+    """
     low, high, share = crossings(values, isovalue)
     if not len(low) or not len(vertices):
         return ""
     right = np.asarray(low + share[:, None] * (high - low), np.float64)
-    if _agree(vertices, right) > 1 - MOST:
-        return _by_share(vertices, low, high, share)
-    if told := explanations(Placed(vertices, values, isovalue, spacing)):
-        return told[0]
-    if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
-        return "vertices stand on samples, not on the crossings of the edges between them"
-    return _by_share(vertices, low, high, share)
+    if _agree(vertices, right) <= 1 - MOST:
+        if told := explanations(Placed(vertices, values, isovalue, spacing)):
+            return told[0]
+        if np.mean(np.abs(vertices - np.rint(vertices)).max(axis=1) < NEAR) > MOST:
+            return "vertices stand on samples, not on the crossings of the edges between them"
+    return _by_share(vertices, low, high, share) if shares else ""
 
 
 def shared(answer: Placed, others: Sequence[Placed], *, kuhn: bool = False) -> str | None:
