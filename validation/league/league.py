@@ -514,12 +514,21 @@ def costs() -> dict[str, Measured]:
 
 
 def versions() -> list[tuple[Report, str]]:
-    """What ``versions.py`` has graded of the present plan, each with its page."""
-    return [
-        (read(path), f"{VERSIONS.name}/{path.name.removesuffix('.jsonl.gz')}.html")
-        for path in sorted(VERSIONS.glob("*.jsonl.gz"))
-        if next(lines(path)).get("plan", 1) == PLAN
-    ]
+    """What ``versions.py`` has graded, each with its page, of libraries graded on one plan alone.
+
+    Versions are compared with each other, not with the rows of the table, whose plan may be later.
+    """
+    paths = sorted(VERSIONS.glob("*.jsonl.gz"))
+    found = [(read(path), f"{VERSIONS.name}/{_stem(path)}.html") for path in paths]
+    plans: dict[str, set[int]] = {}
+    for one, _ in found:
+        plans.setdefault(one.name, set()).add(one.plan)
+    return [(one, link) for one, link in found if len(plans[one.name]) == 1]
+
+
+def _stem(path: Path) -> str:
+    """The name of a report's file without its endings."""
+    return path.name.removesuffix(".jsonl.gz")
 
 
 def rows(chosen: Sequence[Package], names: Sequence[str]) -> Iterator[tuple[Package, str]]:

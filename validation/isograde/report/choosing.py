@@ -483,10 +483,11 @@ def choosing_page(
     grouped = pages(reports, links, about, costs)
     left = [Absent(name, why, about.get(name, NOBODY)) for name, why in (absent or {}).items()]
     told: list[Trend] = trends(versions)
+    plan = max((one.plan for one in reports), default=0)
     return (
         environment()
         .get_template("choosing.html")
-        .render(pages=grouped, absent=left, count=len(reports), trends=told, notes=notes)
+        .render(pages=grouped, absent=left, count=len(reports), trends=told, notes=notes, plan=plan)
     )
 
 

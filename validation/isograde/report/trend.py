@@ -49,9 +49,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Trend:
-    """An implementation over its versions, the oldest first."""
+    """An implementation over its versions, the oldest first, all graded on one plan."""
 
     name: str
+    plan: int
     versions: tuple[Version, ...]
     steps: tuple[Step, ...]
 
@@ -76,7 +77,7 @@ def _trend(name: str, group: Sequence[tuple[Report, str]]) -> Trend:
             pairwise(versions), pairwise(ordered), strict=True
         )
     ]
-    return Trend(name, tuple(versions), tuple(steps))
+    return Trend(name, group[0][0].plan, tuple(versions), tuple(steps))
 
 
 def _version(report: Report, link: str) -> Version:
