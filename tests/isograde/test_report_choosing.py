@@ -247,6 +247,11 @@ def test_versions_say_what_was_mended_and_what_broke() -> None:
     assert not trend.steps[0].broken
     shown = choosing_page([SOUND], {}, {}, {}, {}, [(old, "old.html"), (new, "new.html")])
     assert 'href="old.html#topology.closed"' in shown
+    assert "the table above on plan" not in shown
+    for one in (old, new):
+        one.header["plan"] = SOUND.plan - 1
+    shown = choosing_page([SOUND], {}, {}, {}, {}, [(old, "old.html"), (new, "new.html")])
+    assert f"Graded on plan {SOUND.plan - 1}, the table above on plan {SOUND.plan}." in shown
 
 
 def test_a_case_that_was_not_sent_neither_breaks_nor_is_mended() -> None:

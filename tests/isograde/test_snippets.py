@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import json
 import shlex
 import shutil
@@ -29,10 +30,11 @@ from isograde.declaration import declaration_from
 from isograde.model import CONTOURS, CURVES, Adapter, Case, Kind
 from isograde.report.page import page
 from isograde.report.shows import BODIES
-from isograde.report.snippet import snippet, without
+from isograde.report.snippet import UNSTEADY, snippet, without
 from isograde.shrinking import shrink
 
 from tests.isograde import accused
+from tests.isograde import miniatures as mini
 from tests.isograde.judging import Here
 from tests.isograde.miniatures import BROKEN, ROUGH, Inside, Miniature
 from tests.isograde.reporting import graded
@@ -420,3 +422,21 @@ def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> No
         *(claim for _, claim, *_ in BY_FORMULA),
     }
     assert set(CLAIMS) - run - WITHOUT - LONGER == set()
+
+
+def test_lines_on_who_answers_otherwise_each_time_say_so() -> None:
+    """Of pytessel and gts-tetra-bounded, lines that failed in the grade were silent when run again."""
+    calls = itertools.count()
+
+    def unsteady(values: Any, isovalue: float, spacing: Any) -> Any:
+        vertices, faces = mini.plain(values, isovalue, spacing)
+        return vertices, faces[next(calls) % 2 :]
+
+    cases = [all_cases(0)["noise/white-6x7x5"]]
+    for function, said in ((unsteady, True), (mini.plain, False)):
+        declared = declaration_from({"level": 2}, "it")
+        report = graded(Here(function, declared), "python:it:it", cases)
+        assert bool(report.summaries["robustness.deterministic"].bad) == said
+        programs = [text for one in report.summaries.values() if (text := snippet(report, one))]
+        assert programs
+        assert {text.startswith(UNSTEADY) for text in programs if text} == {said}

@@ -195,6 +195,24 @@ def test_what_was_graded_on_fewer_scans_stands_beside_no_other() -> None:
     assert league.fewer_scans([]) == {}
 
 
+def test_versions_of_unlike_plans_are_not_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A library of which some versions are graded anew, and some not yet, has no trend."""
+    monkeypatch.setattr(league, "VERSIONS", tmp_path)
+    plans = {"vtk-1": 3, "vtk-2": 3, "libigl-1": 3, "libigl-2": 4}
+    for name in plans:
+        (tmp_path / f"{name}.jsonl.gz").touch()
+
+    def made(path: Path) -> SimpleNamespace:
+        name = path.name.removesuffix(".jsonl.gz")
+        return SimpleNamespace(name=name.split("-")[0], plan=plans[name])
+
+    monkeypatch.setattr(league, "read", made)
+    links = [link for _, link in league.versions()]
+    assert links == [f"{tmp_path.name}/vtk-1.html", f"{tmp_path.name}/vtk-2.html"]
+
+
 def test_a_grade_that_did_not_end_is_told_in_the_row(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -364,12 +364,20 @@ class NoLinesError(Exception):
     """There are no lines to show a failure by; the text says why, in a sentence."""
 
 
+# Before the lines on who was seen to answer the same question in two ways.
+UNSTEADY = (
+    "# It was seen to answer otherwise when asked again: if nothing is said, run this again.\n"
+)
+
+
 def snippet(report: Report, summary: Summary) -> str | None:
     """The lines that show the claim's smallest failed case, or None where there are none."""
     try:
-        return _program(report, summary)
+        program = _program(report, summary)
     except NoLinesError:
         return None
+    again = report.summaries.get("robustness.deterministic")
+    return UNSTEADY + program if again is not None and again.bad else program
 
 
 def without(report: Report, summary: Summary) -> str:
