@@ -425,7 +425,7 @@ def test_every_claim_has_lines_that_are_run_here_or_is_said_to_have_none() -> No
 
 
 def test_lines_on_who_answers_otherwise_each_time_say_so() -> None:
-    """Of pytessel and gts-tetra-bounded, lines that failed in the grade were silent when run again."""
+    """Of pytessel and gts-tetra-bounded, lines that failed in the grade were silent later."""
     calls = itertools.count()
 
     def unsteady(values: Any, isovalue: float, spacing: Any) -> Any:
