@@ -38,8 +38,6 @@ FAULTS: dict[str, Fault] = {}
 
 #: Those that no case of the default plan was seen to catch, and what would.
 SURVIVORS: dict[str, str] = {
-    "bricks-beside-and-not-across": "`topology.closed` on a lone speck at (8, 8, k), with nothing "
-    "else in the bricks round it: `shapes/specks` has one at every odd place, and none at 8 i",
     "half-as-many-vertices": "`topology.sides` on specks in 47 x 47 x 47 samples, 73,002 vertices "
     "of 97,336 triangles; `shapes/many` and `shapes/dense` have as many as half their triangles",
     "halfway-for-safety": "`range.scale` on a field that changes by 2^-11 a cell; the fields that "

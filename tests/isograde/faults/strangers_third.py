@@ -151,7 +151,7 @@ class ComplementsOfTies(Engine):
 BESIDE = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
-@stranger("topology.closed")
+@stranger("bodies.holes")
 class BricksBesideAndNotAcross(Engine):
     """Bricks of eight cells are skipped by their range, with the next samples along each axis.
 
