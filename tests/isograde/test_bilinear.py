@@ -5,10 +5,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from isograde.claims import bilinear
+from isograde.declaration import Declaration
+from isograde.model import Case, Outcome, Status, Trial, Verdict
 from isograde.oracles.bilinear import _sign_by_parts, exact_sign, saddle_sign, saddles
 from isograde.oracles.lattice import Lattice
 from isograde.oracles.traces import FACES, traces
 from isoref.field import Array, Field, Floats
+from isoref.methods import METHODS
 from scipy import ndimage
 
 
@@ -136,3 +140,19 @@ def test_the_sign_by_parts_tells_products_a_last_place_apart() -> None:
     sign, known = _sign_by_parts(nearly_equal(np.random.default_rng(0), 300))
     assert known.all()
     assert set(sign.tolist()) == {-1, 0, 1}
+
+
+def test_a_saddle_that_rounding_of_the_distances_decides_may_be_on_either_side() -> None:
+    """A cell of multiples of 0.1 at 0.05, of whose face exact arithmetic on the samples says -1."""
+    values = np.array([[[0.4, -0.4], [0.4, 0.5]], [[0.0, 0.5], [0.5, -0.4]]])
+    corners = np.array([[values[i, j, 1] for j in (0, 1) for i in (0, 1)]])
+    assert exact_sign(corners, 0.05)[0] != 0
+    assert saddle_sign(corners, 0.05)[0].tolist() == [0]
+    assert saddle_sign(20 * corners, 1.0)[0].tolist() == [0]  # Exactly, in whole numbers.
+    field = Field.of(values)
+    mesh = METHODS["asymptotic-decider"](field, 0.05)
+    outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+    case = Case("own/tenths", lambda: field, (0.05,), values.size)
+    found = bilinear.bilinear(Trial(case, field, Declaration("here"), {"plain": outcome}))
+    assert found.verdict is Verdict.PASS
+    assert found.numbers["degenerate"] >= 1

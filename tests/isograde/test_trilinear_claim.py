@@ -9,7 +9,7 @@ from isograde.claims import topology
 from isograde.claims import trilinear as family
 from isograde.declaration import Declaration, declaration_from
 from isograde.model import Case, Claim, Finding, Outcome, Status, Trial, Verdict
-from isograde.oracles.trilinear import cells
+from isograde.oracles.trilinear import CLOSE, cells
 from isograde.oracles.trilinear_cases import case_names
 from isograde.oracles.trilinear_grid import active_cells
 from isoref import asymptotic_decider, lorensen_cline, trilinear_cubes
@@ -204,3 +204,18 @@ def trilinear_joined(values: Array) -> Mesh:
     """The answer to a field in which the two samples are a little higher."""
     field = Field.of(np.where(values > 0, 1.01, values), (1, 0.5, 2), (3, -1, 0))
     return sweep(trilinear_cubes.RULE, field, 0.0)
+
+
+def test_decimal_fractions_are_no_trap_for_the_right_answer() -> None:
+    """Fields of tenths at 0.05: distances are rounded, and some saddles undecided but for that."""
+    random, undecided = np.random.default_rng(5), 0
+    for _ in range(150):
+        field = Field.of(random.integers(-9, 10, (3, 3, 3)) * 0.1)
+        mesh = sweep(trilinear_cubes.RULE, field, 0.05)
+        outcome = Outcome(Status.OK, mesh.vertices, mesh.simplices)
+        case = Case("own/tenths", lambda field=field: field, (0.05,), field.values.size)  # type: ignore[misc]
+        found = CLAIM.judge(Trial(case, field, Declaration("here"), {"plain": outcome}))
+        assert found.verdict is not Verdict.FAIL, found.detail
+        _, corners = active_cells(np.asarray(field.values), 0.05)
+        undecided += int((cells(corners, 0.05).ties == CLOSE).sum())
+    assert undecided > 3

@@ -5,7 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 from isograde.oracles import trilinear
-from isograde.oracles.trilinear import BODY, CORNER, FACE, NONE, Truths, cells
+from isograde.oracles.trilinear import BODY, CLOSE, CORNER, FACE, NONE, Truths, cells
 from isograde.oracles.trilinear_by_refinement import UnresolvedError, refine
 from isograde.oracles.trilinear_grid import GridTruth, grid
 from numpy.typing import NDArray
@@ -185,3 +185,13 @@ def test_no_cells_no_surface() -> None:
     """An isovalue outside the range."""
     assert grid(np.ones((3, 3, 3)), 2.0) == GridTruth(0, 0, 0, 0)
     assert len(cells(np.zeros((0, 2, 2, 2)))) == 0
+
+
+def test_a_saddle_nearer_than_distances_are_rounded_is_told() -> None:
+    """Tenths at 0.05: two faces of a cell are undecided but for what 0.4 - 0.05 is rounded by."""
+    cell = np.array([[[0.4, -0.4], [0.4, 0.5]], [[0.0, 0.5], [0.5, -0.4]]])
+    assert cells(cell[None], 0.05).ties.tolist() == [CLOSE]
+    assert cells(np.rint(20 * cell[None]), 1.0).ties.tolist() == [FACE]  # In whole numbers.
+    # Undecided to a last digit, and no distance is rounded: that is decided.
+    cell = np.array([[[1, -1], [-1, 1 + 2.0**-52]], [[-2, -2], [-2, -2]]])
+    assert cells(cell[None], 0.0).ties.tolist() == [NONE]

@@ -13,7 +13,10 @@ b00 and b11 are the inside corners, and the opposite where they are the outside 
 
 The product is taken in double precision with a bound on its rounding; where the bound does not
 tell the sign, what rounding took from each product decides [2], and where that cannot be had, exact
-rational arithmetic.
+rational arithmetic. Where the corners' distances from the isovalue are rounded themselves, as are
+0.4 - 0.05 and most others of decimal fractions, a program that decides its distances exactly and
+one that decides the samples exactly may differ within that bound, and both are right: there the
+saddle counts as on the surface.
 
 References
 ----------
@@ -31,6 +34,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from isoref.field import Array, Booleans, Floats, Integers
 
+from isograde.oracles.bounded import lost, rounded
 from isograde.oracles.lattice import Lattice, components
 from isograde.oracles.traces import FACES, Traces
 
@@ -64,7 +68,9 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
     sign = np.sign(difference).astype(np.int64) * high
     unsure = np.flatnonzero(np.abs(difference) <= ROUNDING * size)
     if len(unsure):
-        sign[unsure] = exact_sign(np.asarray(corners)[unsure], isovalue) * high[unsure]
+        near = np.asarray(corners)[unsure]
+        sign[unsure] = exact_sign(near, isovalue) * high[unsure]
+        sign[unsure[rounded(near, isovalue)]] = 0
     with np.errstate(invalid="ignore", divide="ignore"):
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
 
@@ -81,18 +87,12 @@ def exact_sign(corners: Array, isovalue: float) -> Integers:
     # The values themselves, and their distances from the isovalue, are to be these doubles.
     given = corners.dtype.kind in "bf" or corners.dtype.itemsize < 8
     known &= given and corners.dtype.itemsize <= 8 and float(isovalue) == isovalue
-    known &= (_lost(values, np.full_like(values, isovalue), away) == 0).all(axis=1)
+    known &= ~rounded(corners, isovalue)
     for n in np.flatnonzero(~known):
         w, x, y, z = (Fraction(value) - Fraction(isovalue) for value in corners[n].tolist())
         exact = w * z - x * y
         sign[n] = (exact > 0) - (exact < 0)
     return sign
-
-
-def _lost(one: Floats, other: Floats, difference: Floats) -> Floats:
-    """What the rounded difference of two numbers lacks of the exact one."""
-    part = difference - one
-    return np.asarray((one - (difference - part)) - (other + part))
 
 
 def _sign_by_parts(away: Floats) -> tuple[Integers, Booleans]:
@@ -108,7 +108,7 @@ def _sign_by_parts(away: Floats) -> tuple[Integers, Booleans]:
     with np.errstate(over="ignore", invalid="ignore"):
         (first, less), (second, lesser) = _product(a, d), _product(b, c)
         gap, wanted = first - second, lesser - less
-        rest = _lost(lesser, less, wanted)
+        rest = lost(lesser, less, wanted)
         sign = np.where(gap != wanted, np.sign(gap - wanted), -np.sign(rest))
     return np.where(known, sign, 0).astype(np.int64), known
 

@@ -9,6 +9,8 @@ References
 ----------
 1. J. R. Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric
    predicates. Discrete & Computational Geometry 18, 1997 (the idea of a filter).
+2. T. J. Dekker: A floating-point technique for extending the available precision. Numerische
+   Mathematik 18, 1971 (what a rounded sum lacks).
 """
 
 from __future__ import annotations
@@ -110,3 +112,23 @@ def _whole(values: NDArray[np.float64]) -> Numbers:
     power = np.where(digits == 0, 0, exponent - 53 + lowest)
     shift = power - np.minimum(power.min(axis=1, initial=0), 0)[:, None]
     return np.asarray((digits >> lowest).astype(object) << shift.astype(object))
+
+
+def lost(one: Numbers, other: Numbers, difference: Numbers) -> Numbers:
+    """What the rounded difference of two doubles lacks of the exact one [2]."""
+    part = difference - one
+    return np.asarray((one - (difference - part)) - (other + part))
+
+
+def rounded(values: Numbers, isovalue: float) -> NDArray[np.bool_]:
+    """(n,) whether one of n rows of numbers has a distance from the isovalue that is no double.
+
+    >>> rounded(np.array([[0.4, -0.4, -0.4, 0.5], [2, -1, -1, 1]]), 0.05)
+    array([ True,  True])
+    >>> rounded(np.array([[0.4, -0.4, -0.4, 0.5]]), 0.25)
+    array([False])
+    """
+    doubles = values.astype(np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        left = lost(doubles, np.full_like(doubles, isovalue), doubles - isovalue)
+    return np.asarray((np.isnan(left) | (left != 0)).any(axis=1))

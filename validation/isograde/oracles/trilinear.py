@@ -33,6 +33,10 @@ No single truth exists where a corner, the saddle of an ambiguous face, or a sad
 cell lies exactly on the isovalue. Such cells are reported (`CORNER`, `FACE`, `BODY`). Events that
 merely coincide are no ties: the level set is smooth there, and the answer is the same on all axes.
 
+Where the corners' distances from the isovalue are no doubles, as 0.4 - 0.05 is none, a program that
+is exact on rounded distances and one that is exact on the samples may differ in a cell with an
+undecided sign, and both are right. Such a cell is reported too (`CLOSE`).
+
 Glossary
 --------
 corner          C-order index 4 i0 + 2 i1 + i2 of the sample at (i0, i1, i2) of the cell
@@ -62,11 +66,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from isograde.oracles.bounded import Bounded, Ints, Numbers, integers
+from isograde.oracles.bounded import Bounded, Ints, Numbers, integers, rounded
 from isograde.oracles.rows import distinct
 
-NONE, CORNER, FACE, BODY = 0, 1, 2, 3
-TIES = ("none", "a corner on the isovalue", "a face saddle on it", "a body saddle on it")
+NONE, CORNER, FACE, BODY, CLOSE = 0, 1, 2, 3, 4
+TIES = (
+    "none",
+    "a corner on the isovalue",
+    "a face saddle on it",
+    "a body saddle on it",
+    "a saddle nearer to it than the corners' distances are rounded",
+)
 
 EDGES = tuple((a, b) for a, b in combinations(range(8), 2) if (a ^ b) in (1, 2, 4))
 """The twelve cell edges as pairs of corners, lower index first."""
@@ -353,7 +363,8 @@ class Truths:
         the low ones are, 0 where the face is not ambiguous
     rim, body : (n, 8) int, the least corner of the part of the skin, of the cell, this one is in
     euler : (n,) int, Euler characteristic of the level set
-    ties : (n,) int, `NONE`, `CORNER`, `FACE` or `BODY`; nothing else holds where it is not `NONE`
+    ties : (n,) int, `NONE`, `CORNER`, `FACE`, `BODY` or `CLOSE`; nothing else holds where it is
+        not `NONE`
     exact : (n,) bool, decided in integers
     """
 
@@ -429,7 +440,7 @@ def _read_all(
     """The reading of every cell, in floats where they decide and in integers where not."""
     n = len(raw)
     rows, ties = np.zeros((n, 22), np.int64), np.zeros(n, np.int64)
-    exact = np.ones(n, bool)
+    exact, close = np.ones(n, bool), np.zeros(n, bool)
     if raw.dtype.kind in "biuf" and raw.dtype.itemsize <= 8:
         relative = raw.astype(np.float64) - isovalue
         representable = (raw == raw.astype(np.float64)).all(axis=1)
@@ -442,11 +453,14 @@ def _read_all(
         rows[rest], ties[rest] = reading.rows, reading.ties
         exact = ~plain
         exact[rest] = reading.unsure | ~representable[rest]
+        near = rest[reading.unsure & representable[rest]]
+        close[near] = rounded(raw[near], isovalue)
     again = np.flatnonzero(exact)
     if len(again):
         exact_values = integers(raw[again], isovalue)
         reading = _read(Bounded(exact_values, exact_values * 0))
         rows[again], ties[again] = reading.rows, reading.ties
+    ties[close & (ties == NONE)] = CLOSE
     return _Reading(rows, ties, np.zeros(n, bool)), exact
 
 
