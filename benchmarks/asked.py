@@ -103,7 +103,7 @@ def page(found: list[tuple[str, bool, Goal]]) -> str:
         short.append([question, counted(one for _, _, one in own) + loud, links])
         if own:
             rows = [_row(where, one) for where, _, one in own]
-            heads = ["", "goal", "found (quartiles)", "", "profile and reason"]
+            heads = ["", "goal", "found (quartiles)", "", "profile", "reason"]
             long += [f"## {question[:1].upper()}{question[1:]}", table_of(heads, rows)]
     total = counted(one for _, _, one in found)
     parts = ["# What was asked of speed, and what was found", INTRODUCTION, f"In all: {total}."]
@@ -112,9 +112,10 @@ def page(found: list[tuple[str, bool, Goal]]) -> str:
 
 
 def _row(where: str, one: Goal) -> list[str]:
-    """One goal, with the place that says why where it is not met."""
+    """One goal; where it is not met with the reason, and the place of the profile."""
     why = "" if one.met else f"[{Path(where).stem}]({where}#{anchor(one.why)})"
-    return [*one.cells(), why]
+    reason = (one.reason or "**none is given**") if one.met is False else ""
+    return [*one.cells(), why, reason]
 
 
 def write(folder: Path = REPORTS) -> Path:

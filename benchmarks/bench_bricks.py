@@ -74,6 +74,11 @@ def measure(
         page.ask("bricks", f"{name} at {level:.4g}", ratio, 1.0, most=False)
         if not page.goals[-1].met:
             share = threshold.over(plain)[0]
+            page.explain(
+                f"{name} at {level:.4g}",
+                f"all that an index can save is a pass over the samples, {share:.0%} of a plain "
+                f"extraction, and {divided:.0%} of the bricks are divided",
+            )
             why.append([f"{name} at {level:.4g}", f"{share:.0%}", f"{divided:.0%}"])
         places.append((max(vertices / values.size, 1e-9), ratio[0]))
         saved = np.median(plain.processor) - np.median(indexed.processor)

@@ -217,12 +217,16 @@ def main() -> None:
     page.ask("crossings", what, found, CROSSINGS, most=True, absent=absent)
     page.show_goals()
     spent = profile(mesh, rounds)
+    for name in GOALS:
+        page.explain(f"{name} over ours", reason(spent).split(" A compiled")[0].rstrip("."))
+    why = why_crossings(small)
+    page.explain(what, why[1].split(" Each pair")[0].rstrip("."))
     page.why(
         "All that can be counted:",
         table_of(["", "ms"], [[name, f"{each:.1f}"] for name, each in spent.items()]),
         reason(spent),
         "Triangles that cross:",
-        *why_crossings(small),
+        *why,
     )
     page.write(arguments.out)
 

@@ -24,13 +24,14 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from floor import floor, leaves
+from floor import PASSES, Spent, floor, leaves
 from isograde.cases.volumes import REGISTRY, find, read
 from isograde.report.plot import Bar, bars
 from isograde.stopwatch import Cost, Timing, in_turn, interleave, peak_memory, timed
 from isoref.fast._bits import Bits
 from isoref.fast.sweep import PART_CELLS, SLAB_POINTS, _Sweep, sweep
 from isoref.field import Array, Field, least_inside
+from isoref.mesh import Precision
 from isoref.methods import METHODS, RULES
 from outside import PEERS, AbsentError, Outside, library, version
 from pages import Page, of_numpy, one_call, own_times, profiled, table_of
@@ -220,7 +221,7 @@ class Measured:
     output : bytes of our mesh in double and in single precision
     made : what the mesh of a contestant is made of
     absent : contestants that are not here, and why
-    unmet : goals against peers that are not met, and what the least passes say of each
+    least : the least passes, which add the seconds of each stage to what they are given
     """
 
     name: str
@@ -231,7 +232,7 @@ class Measured:
     output: tuple[int, int]
     made: dict[str, str]
     absent: dict[str, str] = entry(default_factory=dict)
-    unmet: list[list[str]] = entry(default_factory=list)
+    least: Callable[..., object] = entry(default=lambda spent: None)
 
     def over(self, one: str, other: str) -> tuple[float, float, float] | None:
         """The ratio of two contestants' times, or None where one is not here."""
@@ -260,7 +261,7 @@ def ask(page: Page, found: Measured) -> None:
         if page.goals[-1].met is False:
             lowest = found.seconds(FLOORS[ours])
             said = leaves(found.seconds(whose), bound, lowest, found.seconds(ours))
-            found.unmet.append([what, said])
+            page.explain(what, said)
 
     for ours in (OURS, OURS_SINGLE):
         if name in FLYING:
@@ -317,7 +318,7 @@ def small(values: Array, found: Measured) -> str:
 FINE = "isoref marching-vesta-mixed-H"
 
 
-def fine(values: Array, found: Measured) -> list[str]:
+def fine(page: Page, values: Array, found: Measured) -> list[str]:
     """A row of a table: how much more of a mesh VESTA mixed H makes, in how much more time."""
     isovalue = ISOVALUES.get(found.name, 0.0)
     field = Field.of(values)
@@ -329,13 +330,24 @@ def fine(values: Array, found: Measured) -> list[str]:
     more = [f"{one / other:.2f}" for one, other in zip(*sizes, strict=True)]
     ratio = found.over(FINE, OURS)
     assert ratio is not None
+    bound, larger = METHOD_GOALS[FINE][1], sizes[0][2] / sizes[1][2]
+    page.explain(
+        f"{FINE} over ours, {found.name}",
+        f"its mesh has {larger:.2f} times the bytes, so where they cost what ours do it takes "
+        f"{larger:.2f} times our time, {'more' if larger > bound else 'less'} than the "
+        f"{bound:g} that was asked",
+    )
     return [found.name, *more, f"{ratio[0]:.2f}"]
 
 
-def why_slow(method: str, values: Array, isovalue: float) -> list[str]:
-    """Where the time of a method goes on a field, by module and by function."""
+def profile_of(method: str, values: Array, isovalue: float) -> dict[Any, Any]:
+    """What the profiler counts of a method on a field."""
     field = Field.of(values)
-    found = profiled(lambda: METHODS[method.split()[1]](field, isovalue))
+    return profiled(lambda: METHODS[method.split()[1]](field, isovalue))
+
+
+def why_slow(method: str, found: dict[Any, Any]) -> list[str]:
+    """Where the time of a method goes, by module and by function."""
     return [
         table_of([f"{method}: module", "of its time"], own_times(found, "isoref", modules=True)),
         table_of([f"{method}: function", "of its time"], own_times(found, "isoref")),
@@ -421,22 +433,40 @@ The columns up to "rest", which is among other things the growing of arrays, add
 for medians. The last two are beside it, for comparison: to copy the finished arrays of the mesh
 once, and to make one look-up a vertex."""
 LEAST = """\
-*The least passes* are measured in turn with all others (`benchmarks/floor.py`): all samples are
-compared once; for each crossing its number is written into a table, both samples are looked up and
-made doubles, five steps of arithmetic place it, three coordinates are written; for each corner of a
-triangle its edge is added up, its vertex looked up and written. Which edges are crossed, where they
-lie, which tile a cell has and where its corners are looked up is given for nothing. We know of no
-program in NumPy that draws this mesh without these passes, so a peer's time over them is the most
-that we think a ratio to such a program can be. A compiled loop does to a crossing at one go, its
-numbers in registers, what these passes do, and what ours takes beside them: to find the crossing's
-bit, name its place, tell its cells their signs and their tiles, and the corners their edges."""
+*The least passes* are measured in turn with all others (`benchmarks/floor.py` says each of them).
+Some find where the surface is: all samples are compared once and packed into bits, bits compared
+with their neighbours along three axes, the number and the place of each crossing and each cell had
+from its bit, a cell's tile from its signs. Others draw it: for each crossing its number is written
+into a table, both samples are looked up and made doubles, five steps of arithmetic place it, three
+coordinates are written; for each corner of a triangle its edge is added up, its vertex looked up
+and written. All else is given for nothing. We know of no program in NumPy that draws this mesh
+without these passes, so a peer's time over them is the most that we think a ratio to such a program
+can be; it is no proof, for somebody may know fewer. A compiled loop does to a crossing at one go,
+its numbers in registers, what these passes do. Where a goal asks for more than they allow, it is
+called out of reach; where it does not, what is between is ours beside them: which cells have which
+decisions, the kinds of their fans, the seams of slabs and parts, arrays that are made and grow.
+The stages of the least passes, in per cent of our time:"""
 
 
+def passed(found: Measured, rounds: int) -> list[str]:
+    """A row of a table: the stages of the least passes, in per cent of our time."""
+    runs: list[Spent] = []
+    for _ in range(rounds):
+        runs.append({})
+        found.least(runs[-1])
+    ours = found.seconds(OURS)
+    each = [statistics.median(run.get(stage, 0.0) for run in runs) / ours for stage in PASSES]
+    return [found.name, *(f"{100 * one:.1f}" for one in (*each, sum(each)))]
+
+
+OURS_OF: dict[Precision, str] = {"double": "ours", "single": "ours, single"}
 #: The arrays that a sweep works in, whole and by halves: places of a slab, cells of a part.
 ROOMS = {"as it is": (SLAB_POINTS, PART_CELLS), "by halves": (SLAB_POINTS // 2, PART_CELLS // 2)}
 
 
-def rooms(values: Array, found: Measured) -> list[str]:
+def rooms(
+    page: Page, values: Array, found: Measured, precision: Precision, output: int
+) -> list[str]:
     """A row of a table: memory beside the output and time, with whole and with half rooms."""
     field, isovalue = Field.of(values), ISOVALUES.get(found.name, 0.0)
 
@@ -445,12 +475,19 @@ def rooms(values: Array, found: Measured) -> list[str]:
             patch.object(SWEEP, "SLAB_POINTS", places),
             patch.object(SWEEP, "PART_CELLS", cells),
         ):
-            sweep(DECIDER, field, isovalue)
+            sweep(DECIDER, field, isovalue, precision)
 
     calls = {name: partial(run, *sizes) for name, sizes in ROOMS.items()}
-    memory = [(peak_memory(call) - found.output[0]) / 2**20 for call in calls.values()]
+    memory = [(peak_memory(call) - output) / 2**20 for call in calls.values()]
     whole, half = interleave(calls, 5)
-    return [found.name, *(f"{one:.0f}" for one in memory), f"{half.over(whole)[0]:.2f}"]
+    ratio = half.over(whole)[0]
+    what = f"{OURS_OF[precision]}, {found.name}"
+    page.explain(
+        what,
+        f"{memory[0]:.0f} MiB in another run; with arrays half as large {memory[1]:.0f} MiB, in "
+        f"{ratio:.2f} times the time",
+    )
+    return [what, *(f"{one:.0f}" for one in memory), f"{ratio:.2f}"]
 
 
 WHY_MEMORY = f"""\
@@ -506,7 +543,7 @@ def measured(name: str, values: Array, methods: list[str], rounds: int) -> Measu
     }
     level = least_inside(values.dtype, isovalue)  # of the samples' type: nothing is converted
     runs[COMPARISON] = lambda: values >= level
-    runs[FLOOR] = floor(values, isovalue, mesh)
+    runs[FLOOR] = lowest = floor(values, isovalue, mesh)
     runs[FLOOR_SINGLE] = floor(values, isovalue, mesh, "single")
     # Of VTK's marching cubes nothing is asked.
     runs |= {one: run for one, run in peers(values, isovalue).items() if one != UNASKED}
@@ -528,6 +565,7 @@ def measured(name: str, values: Array, methods: list[str], rounds: int) -> Measu
         (8 * sizes, 4 * sizes),
         made,
         absent,
+        lowest,
     )
 
 
@@ -581,7 +619,7 @@ def main() -> None:
         *(version(name) for name in PEERS),
     )
     profiles, fines, floors, halves = [], [], [], []
-    unmet, told = [], []
+    told, stages_of_floor = [], []
     slow: list[str] = []
     ratios: dict[str, list[Bar]] = {}
     for name in arguments.fields:
@@ -594,13 +632,14 @@ def main() -> None:
         profiles.append(profile(name, values, arguments.rounds))
         floors.append(least(found))
         if FINE in found.timings:
-            fines.append(fine(values, found))
-        slow += reasons(values, found)
-        unmet += found.unmet
+            fines.append(fine(page, values, found))
+        slow += reasons(page, values, found)
+        stages_of_floor.append(passed(found, arguments.rounds))
         if name == arguments.fields[0]:
             told.append(small(values, found))
-        if found.memory[OURS] - found.output[0] > MEMORY * 2**20:
-            halves.append(rooms(values, found))
+        for precision, ours, output in zip(OURS_OF, FLOORS, found.output, strict=True):
+            if found.memory[ours] - output > MEMORY * 2**20:
+                halves.append(rooms(page, values, found, precision, output))
         for peer in found.timings.keys() - set(BESIDE):
             ratio = found.timings[peer].over(found.timings[OURS])
             ratios.setdefault(peer, []).append(Bar(name, *ratio))
@@ -614,7 +653,7 @@ def main() -> None:
     heads = ["", "ours / least", "ours / least, single", f"{PEER} / least", "Open3D / least"]
     page.table(heads, floors)
     page.add(LEAST)
-    page.table(["goals against peers that are not met", "what the least passes say"], unmet)
+    page.table(["", *PASSES, "together"], stages_of_floor)
     page.add(*told)
     if fines:
         page.add("### A point inside each polygon: VESTA mixed H over ours")
@@ -633,15 +672,25 @@ def main() -> None:
     page.write(arguments.out)
 
 
-def reasons(values: Array, found: Measured) -> list[str]:
-    """Profiles of the methods that miss their goals on a field."""
+def reasons(page: Page, values: Array, found: Measured) -> list[str]:
+    """Profiles of the methods that miss their goals on a field; the page has why."""
     parts = []
+    if found.name in OVER_COMPARISON:
+        least_of_all = found.over(FLOOR, COMPARISON)
+        assert least_of_all is not None
+        said = f"the least passes alone take {least_of_all[0]:.2f} times one comparison"
+        page.explain(f"ours over {COMPARISON}, {found.name}", said)
     for method, (_, bound) in METHOD_GOALS.items():
         ratio = found.over(method, OURS)
         rough = "noise" in found.name or found.name.startswith(("angio", "bunny"))
         if rough and ratio is not None and ratio[0] > bound:
             parts.append(f"**{found.name}**: {method} takes {ratio[0]:.2f} times ours.")
-            parts += why_slow(method, values, ISOVALUES.get(found.name, 0.0))
+            entries = profile_of(method, values, ISOVALUES.get(found.name, 0.0))
+            parts += why_slow(method, entries)
+            if method != FINE:
+                (first, share), *_ = own_times(entries, "isoref")
+                said = f"its profile: the largest part, {first}, takes {share}"
+                page.explain(f"{method} over ours, {found.name}", said)
     return parts
 
 

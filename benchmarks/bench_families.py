@@ -128,12 +128,13 @@ def least(values: Array) -> Run:
     return lambda: 2 * len(run()[1])
 
 
-def reasons(values: Array, timings: list[Timing]) -> list[str]:
+def reasons(page: Page, name: str, values: Array, timings: list[Timing]) -> list[str]:
     """Where the time of dual marching cubes goes, and what its peer does at one go."""
     median = {one.name: statistics.median(one.processor) for one in timings}
     mine = median[f"isoref {FIRST['Dual surfaces']}"]
     lowest, peer = median[FLOOR], median.get("VTK surface nets")
     said = "VTK is not here." if peer is None else f"{leaves(peer, 1.0, lowest, mine)}."
+    page.explain(f"VTK surface nets over isoref {FIRST['Dual surfaces']}, {name}", said[:-1])
     field = Field.of(values)
     rows = profile(lambda: METHODS[FIRST["Dual surfaces"]](field, 0.0), "isoref")
     return [
@@ -143,6 +144,18 @@ def reasons(values: Array, timings: list[Timing]) -> list[str]:
         "ambiguous faces, and has a vertex for each sheet of a cell. The least passes towards our "
         f"mesh (`benchmarks/floor.py`), measured in turn with both: {said}",
     ]
+
+
+def tetrahedra(page: Page, name: str, values: Array) -> list[str]:
+    """Where the time of marching tetrahedra goes, where its peer is faster; else nothing."""
+    first = FIRST["Tetrahedra"]
+    what = f"VTK contour grid over isoref {first}, {name}"
+    if what not in page.unexplained:
+        return []
+    field = Field.of(values)
+    rows = profile(lambda: METHODS[first](field, 0.0), "isoref")
+    page.explain(what, f"its profile: the largest part, {rows[0][0]}, takes {rows[0][1]}")
+    return [table_of([f"isoref {first}, {name}: function", "of its time"], rows)]
 
 
 def table(
@@ -197,7 +210,9 @@ def main() -> None:
             shown, timings = table(family, name, values, arguments.rounds, page)
             page.add(shown)
             if family == "Dual surfaces":
-                why += [f"### {name}", *reasons(values, timings)]
+                why += [f"### {name}", *reasons(page, name, values, timings)]
+            else:
+                why += tetrahedra(page, name, values)
     page.show_goals()
     page.why(*why)
     page.write(arguments.out)

@@ -22,6 +22,7 @@ NAME = "skimage:lewiner"
 JUDGING = "judging (oracles, variants)"
 # What judging may take of the whole, and the seconds that the whole may take on two processors.
 SHARE, SECONDS = 0.5, 60.0
+ONE = "in one process where two were asked"
 TENTH, FUNCTIONS = 10, 16
 
 
@@ -115,7 +116,7 @@ def by_function(name: str, only: tuple[str, ...]) -> tuple[list[list[str]], str]
 def ask(page: Page, name: str, share: float, total: float) -> None:
     """Note what was asked of the share of judging, and of the seconds of the whole."""
     page.ask("grade", f"judging's share of the grade of {name}", (share,) * 3, SHARE, most=True)
-    what = f"seconds of the grade of {name}, in one process where two were asked"
+    what = f"seconds of the grade of {name}, {ONE}"
     page.ask("grade", what, (total,) * 3, SECONDS, most=True)
 
 
@@ -142,10 +143,16 @@ def main() -> None:
         if not arguments.only:
             ask(page, name, found[JUDGING] / total, total)
     page.show_goals()
-    page.why()
+    profiles = []
     for name in arguments.names:
-        page.add(f"{name}, by function, on every {TENTH}th case, the adapter's waiting included:")
         rows, told = by_function(name, tuple(arguments.only))
+        first = f"its largest part in Python, {rows[0][0]}, takes {rows[0][1]} of judging"
+        page.explain(f"judging's share of the grade of {name}", f"{told.split(': ')[0]}; {first}")
+        page.explain(f"seconds of the grade of {name}, {ONE}", f"{told.split(': ')[0]}; {first}")
+        profiles.append((name, rows, told))
+    page.why()
+    for name, rows, told in profiles:
+        page.add(f"{name}, by function, on every {TENTH}th case, the adapter's waiting included:")
         page.table(["function", "of its time"], rows)
         page.add(told)
     page.write(arguments.out)

@@ -147,6 +147,8 @@ def main() -> None:
     peak = (surface.gigabytes,) * 3
     what = f"peak of the process that extracts from {arguments.side}^3 bytes, GB"
     page.ask("past-memory", what, peak, MOST, most=True)
+    other = f"beside it, reading alone takes {reading.gigabytes:.2f} GB"
+    page.explain(what, other)
     page.show_goals()
     page.write(arguments.out)
     if identity != 4 or surface.gigabytes > MOST:

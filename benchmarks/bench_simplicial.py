@@ -291,6 +291,15 @@ section by the signs of all its 32 corners would save the passes over its 120 si
 fields those are 96 signs, and the table would have 2^96 entries."""
 
 
+def shared(rows: Sequence[Sequence[str]]) -> float:
+    """What the rows of a profile but the last have of the time together.
+
+    >>> round(shared([["a", "13%"], ["b", "12%"], ["9 others", "75%"]]), 2)
+    0.25
+    """
+    return sum(float(share.rstrip("%")) for _, share in rows[:-1]) / 100
+
+
 def main() -> None:
     """The report, in reports/benchmarks or in --out."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -322,6 +331,12 @@ def main() -> None:
     rows = profile(lambda: extract_dyadic(*made), "isoref", 12)
     share = float(rows[0][1].rstrip("%")) / 100
     reason = REASON.format(rows[0][1], 1 - share, HALF)
+    for one in page.unexplained:
+        page.explain(
+            one,
+            f"no part is large: the largest, {rows[0][0]}, takes {rows[0][1]} of the time of the "
+            f"tree and its mesh, the {len(rows) - 1} largest {shared(rows):.0%}",
+        )
     page.why(table_of(["5-D, m = 3, tree and mesh: function", "of its time"], rows), reason)
     page.write(options.out)
 

@@ -12,7 +12,7 @@ import pstats
 import re
 import timeit
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ class Goal:
     found : the median and the quartiles; None where it was not measured
     absent : why it was not
     why : the heading of the page under which it says where the time goes
+    reason : why it is not met, in one sentence of what was measured; empty where none is known
     """
 
     row: str
@@ -39,6 +40,7 @@ class Goal:
     found: tuple[float, float, float] | None
     absent: str = ""
     why: str = ""
+    reason: str = ""
 
     @property
     def met(self) -> bool | None:
@@ -58,6 +60,10 @@ class Goal:
 
 GOAL_HEADS = ("", "goal", "found (quartiles)", "")
 WHY = "Where the time goes, and why it is not less"
+
+
+class UnexplainedError(Exception):
+    """A page says of a goal that it is not met, and not why."""
 
 
 class Page:
@@ -96,6 +102,17 @@ class Page:
         """A goal is noted, for `show_goals`; see `Goal`."""
         self.goals.append(Goal(row, what, float(bound), most, found, absent, WHY))
 
+    def explain(self, what: str, reason: str) -> None:
+        """The goal of this number, where it is not met, has this reason; see `Goal`."""
+        for at, one in enumerate(self.goals):
+            if one.what == what and one.met is False:
+                self.goals[at] = replace(one, reason=reason)
+
+    @property
+    def unexplained(self) -> list[str]:
+        """The goals that are not met and have no reason."""
+        return [one.what for one in self.goals if one.met is False and not one.reason]
+
     def show_goals(self) -> None:
         """The goals noted until now come next, in a table, where there are any."""
         if not self.goals:
@@ -104,8 +121,11 @@ class Page:
         self.table(GOAL_HEADS, [one.cells() for one in self.goals])
 
     def why(self, *parts: str) -> None:
-        """What follows says where the time goes, for the goals that are not met."""
-        self.add(f"## {WHY}", *parts)
+        """What follows says where the time goes; each goal that is not met first, with why."""
+        self.add(f"## {WHY}")
+        if rows := [[one.what, one.reason] for one in self.goals if one.met is False]:
+            self.table(["goal that is not met", "why"], rows)
+        self.add(*parts)
 
     def plot(self, name: str, svg: str) -> None:
         """A plot comes next, where there is one; it is written beside the page."""
@@ -114,7 +134,13 @@ class Page:
             self.parts.append(f"![{name}]({{stem}}-{name}.svg)")
 
     def write(self, out: Path) -> None:
-        """The page and its plots are in the folder of `out`, and plots it had before are not."""
+        """The page and its plots are in the folder of `out`, and plots it had before are not.
+
+        Raises
+        ------
+        UnexplainedError
+            where a goal is not met and has no reason; what was measured is written all the same.
+        """
         from isograde.report import write_whole
 
         state = self.machine.state(*self.versions)
@@ -139,6 +165,8 @@ class Page:
             }
             text = json.dumps(told, indent=1, ensure_ascii=False) + "\n"
             write_whole(out.parent / "goals" / f"{out.stem}.json", text)
+        if self.unexplained:
+            raise UnexplainedError(f"{out.name}: not met, and not said why: {self.unexplained}")
 
 
 def table_of(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
