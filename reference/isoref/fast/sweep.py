@@ -44,12 +44,13 @@ from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
-# At most so many places in a slab, its last plane too, so that its bits and the numbers of its
-# vertices fit the last cache; so many samples compared at once, and about so many active cells, so
-# that their arrays fit the second.
+# At most so many places in a slab, its last plane too, and half as many in the first one and where
+# the surface is folded, so that its bits and the numbers of its vertices fit the last cache; so
+# many samples compared at once, and about so many active cells, so that their arrays fit the
+# second, and the parts of a folded surface take little memory beside it.
 SLAB_POINTS = 17 << 16
 CHUNK_POINTS = 1 << 17
-PART_CELLS = 1 << 15
+PART_CELLS = 5 << 12
 
 # At most so many vertices that room is made for at once. To move to larger arrays leaves the
 # allocator with the smaller ones, so there should be room for most surfaces.
@@ -251,13 +252,22 @@ class _Sweep:
         layers = self.field.shape[0] - 1
         if min(self.field.shape) < 2:
             return
-        planes = min(layers, max(1, SLAB_POINTS // self.lattice.plane - 1))
+        planes, half = (
+            min(layers, max(1, places // self.lattice.plane - 1))
+            for places in (SLAB_POINTS, SLAB_POINTS // 2)
+        )
         chunk = min(planes, max(1, CHUNK_POINTS // self.lattice.plane))
         with _room(self.lattice, planes, chunk, self.triangles.array.dtype.type) as room:
             self._move_in(room)
             self.bits.begin(self.values[:1])
-            for first in range(0, layers, planes):
-                yield from self._slab(first, min(planes, layers - first))
+            first, step = 0, half
+            while first < layers:
+                before, step = self.vertices.size, min(step, layers - first)
+                yield from self._slab(first, step)
+                first += step
+                # A slab that is cut into parts anyway gains nothing by its size, and takes memory.
+                folded = (self.vertices.size - before) * planes > PART_CELLS * step
+                step = half if folded else planes
 
     def _move_in(self, room: _Room) -> None:
         """Begin to work in this room."""
@@ -302,7 +312,7 @@ class _Sweep:
         samples = self.values[first : first + planes + 1]
         if samples.flags.c_contiguous and samples.dtype.isnative:
             return samples
-        if self.copied is None:
+        if self.copied is None or len(self.copied) < len(samples):
             kind = samples.dtype.newbyteorder("=")
             self.copied = np.empty(samples.shape, kind)
         copied = self.copied[: planes + 1]
