@@ -202,6 +202,12 @@ class Bits:
         """Take the first plane of the first slab."""
         self.bits[: self.lattice.plane_bytes] = self._packed(samples)
 
+    def crossed_on_first_plane(self) -> int:
+        """How many edges along axis 1 are crossed on the first plane of the slab."""
+        lattice = self.lattice
+        rows = self.bits[: lattice.plane_bytes].reshape(lattice.n2, lattice.row_bytes)
+        return int(take(POPULATION, rows[1:] ^ rows[:-1]).sum())
+
     def go_on(self, planes: int) -> None:
         """Make the last plane of a slab, which had so many, the first one of the next."""
         plane = self.lattice.plane_bytes

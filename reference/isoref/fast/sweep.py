@@ -44,10 +44,10 @@ from isoref.mesh import Mesh, Precision, Provenance, in_space, number_types
 from isoref.rule import Rule
 from isoref.sweep import LEAST, cell_crossings, check_volume, crossing_parameter
 
-# At most so many places in a slab, its last plane too, and half as many in the first one and where
-# the surface is folded, so that its bits and the numbers of its vertices fit the last cache; so
-# many samples compared at once, and about so many active cells, so that their arrays fit the
-# second, and the parts of a folded surface take little memory beside it.
+# At most so many places in a slab, its last plane too, and half as many where the surface is
+# folded, so that its bits and the numbers of its vertices fit the last cache; so many samples
+# compared at once, and about so many active cells, so that their arrays fit the second, and the
+# parts of a folded surface take little memory beside it.
 SLAB_POINTS = 17 << 16
 CHUNK_POINTS = 1 << 17
 PART_CELLS = 5 << 12
@@ -260,14 +260,13 @@ class _Sweep:
         with _room(self.lattice, planes, chunk, self.triangles.array.dtype.type) as room:
             self._move_in(room)
             self.bits.begin(self.values[:1])
-            first, step = 0, half
+            # A slab that is cut into parts anyway gains nothing by its size, and takes memory.
+            first, rate = 0, 3 * self.bits.crossed_on_first_plane()
             while first < layers:
-                before, step = self.vertices.size, min(step, layers - first)
+                most = half if rate * planes > PART_CELLS else planes
+                before, step = self.vertices.size, min(most, layers - first)
                 yield from self._slab(first, step)
-                first += step
-                # A slab that is cut into parts anyway gains nothing by its size, and takes memory.
-                folded = (self.vertices.size - before) * planes > PART_CELLS * step
-                step = half if folded else planes
+                first, rate = first + step, (self.vertices.size - before) // step
 
     def _move_in(self, room: _Room) -> None:
         """Begin to work in this room."""
@@ -324,7 +323,7 @@ class _Sweep:
 
         starts : (planes + 2,) where in `where` each plane starts
         """
-        if 8 * len(where) <= PART_CELLS:
+        if 4 * len(where) <= PART_CELLS:  # seldom are more than half of a byte's cells active
             return [0, planes]
         before = np.append(0, np.cumsum(take(POPULATION, self.bits.active(where))))[starts]
         parts = [0]
