@@ -245,3 +245,11 @@ def torn_at_extremes(values: Any, isovalue: float, spacing: Any) -> Any:
     vertices, faces = accurate(values, isovalue, spacing)
     large = bool(np.abs(np.asarray(values, float)).max() > 1e200)
     return vertices, faces[np.arange(len(faces)) % 3 > 0] if large else faces
+
+
+def turned_by_isovalue(values: Any, isovalue: float, spacing: Any) -> Any:
+    """One triangle is turned over where the isovalue is not 0."""
+    vertices, faces = WHOLE(values, isovalue, spacing)
+    if isovalue:
+        faces = np.concatenate([faces[:1, ::-1], faces[1:]])
+    return vertices, faces

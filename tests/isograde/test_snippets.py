@@ -278,6 +278,7 @@ def test_a_degenerate_surface_is_shown_before_its_points_move(told: str) -> None
         ("with_epsilon", "range.scale"),
         ("in_half_precision", "range.shift"),
         ("in_single_precision", "range.digits"),
+        ("turned_by_isovalue", "symmetry.shift"),
     ],
 )
 def test_a_range_is_shown_where_it_ends(name: str, claim: str) -> None:

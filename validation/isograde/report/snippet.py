@@ -190,6 +190,16 @@ for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
     found.append({{tuple(sorted(map(tuple, pair))) for pair in (pairs[flat] + 0.0).tolist()}})
 wrong += [f"from {{a}} to {{b}} in one answer only" for a, b in sorted(found[0] ^ found[1])]
 """
+SHOW_TURNS = """
+# Triangles by their corners, from the least on: those of both answers are turned alike.
+turns = []
+for points, rows in ((vertices, simplices), (posed_vertices, posed_simplices)):
+    corners = [[tuple(x) for x in one] for one in (points[rows].round(4) + 0.0).tolist()]
+    first = [one.index(min(one)) for one in corners]
+    turns.append({frozenset(one): one[i:] + one[:i] for one, i in zip(corners, first)})
+both = [one for one in turns[0] if one in turns[1] and turns[0][one] != turns[1][one]]
+wrong += [f"the triangle {turns[0][one]} is turned over in one answer" for one in both]
+"""
 SHOW_EULER = """
 # Faces of every dimension, an even one more, an odd one less.
 found = []
@@ -828,7 +838,7 @@ def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
         if not surfaces:
             return None
         moved = BACK_TRANSLATION.format(cells=2 if name.endswith("-2") else 1)
-        return moved + SHOW_SEGMENTS.format(least=0)
+        return moved + SHOW_SEGMENTS.format(least=0) + SHOW_TURNS
     if name in ("above", "below", "infinite"):
         return SHOW_NOTHING
     if "Euler characteristic" in told:
@@ -844,7 +854,8 @@ def _compared(posed: JSON, n: int, m: int, told: str) -> str | None:
         moved = BACK_SYMMETRY.format(mirrored=list(mirrored), last=last, order=back)
         return moved + SHOW_PLACES + segments
     # Whatever else is asked leaves every vertex where it is.
-    return SHOW_COUNTS + SHOW_PLACES.lstrip("\n") + segments
+    turns = SHOW_TURNS if surfaces else ""
+    return SHOW_COUNTS + SHOW_PLACES.lstrip("\n") + segments + turns
 
 
 def calling(spec: str, given: str = "samples") -> str | None:
