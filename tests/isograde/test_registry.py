@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from isograde.cases import all_cases
+from isograde.cataloguing import kinds_of
 from isograde.claims import CLAIMS, FAMILIES
 from isograde.model import LEVELS
+from isograde.report.record import families_of, first_line
 
 from tests.isograde import (
     miniatures,
@@ -78,6 +80,13 @@ def test_every_claim_says_its_rule_its_source_and_its_level() -> None:
         assert claim.rule.endswith(".")
         assert claim.source
         assert claim.level is None or claim.level in LEVELS
+
+
+def test_what_a_claim_is_said_of_is_told_in_words() -> None:
+    """`isograde explain` once said "others (<lambda>)", which tells nobody anything."""
+    for claim in CLAIMS.values():
+        kinds = first_line(claim.kinds) if kinds_of(claim).endswith("others") else ""
+        assert "lambda" not in f"{kinds} {families_of(claim)} {first_line(claim.judge)}", claim.id
 
 
 def test_every_claim_has_a_case_and_every_case_a_claim() -> None:

@@ -20,7 +20,7 @@ from isoref.field import Integers
 
 from isograde.claims.evidence import complex_of, failed, on_mesh, passed, remembered, skipped
 from isograde.declaration import Declaration
-from isograde.model import Claim, Finding, Trial
+from isograde.model import Claim, Finding, Kind, Trial
 from isograde.oracles.bodies import KINDS, Body, Bounds, bounds
 from isograde.oracles.body_measures import Measures, measures
 from isograde.oracles.complexes import Complex
@@ -138,6 +138,11 @@ def _decided(right: bool, told: str, **numbers: object) -> Finding:
     return passed(**numbers) if right else failed(told, **numbers)
 
 
+def has_bodies(kind: Kind) -> bool:
+    """Those of which there are bodies."""
+    return kind in KINDS
+
+
 def _claim(name: str, rule: str, judge: Callable[[Beside], Finding]) -> Claim:
     """A claim of this family: of level 0, on known bodies of every kind, never withdrawn."""
 
@@ -148,7 +153,7 @@ def _claim(name: str, rule: str, judge: Callable[[Beside], Finding]) -> Claim:
 
     of_trial.__doc__ = judge.__doc__
     return Claim(
-        f"bodies.{name}", rule, DERIVED, 0, on_mesh(of_trial), kinds=lambda kind: kind in KINDS,
+        f"bodies.{name}", rule, DERIVED, 0, on_mesh(of_trial), kinds=has_bodies,
         tags=frozenset({"bodies"}), firm=True,
     )  # fmt: skip
 

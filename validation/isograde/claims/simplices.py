@@ -29,7 +29,7 @@ from isograde.claims.evidence import (
     skipped,
 )
 from isograde.declaration import Declaration
-from isograde.model import Claim, Finding, Kind, Trial, every_family
+from isograde.model import Claim, Finding, Kind, Trial, every_family, every_kind
 from isograde.oracles.covering import covered
 from isograde.oracles.known_manifolds import Manifold
 
@@ -108,6 +108,21 @@ def uncapped(declared: Declaration) -> bool:
     return all(end.end != "closed" for end in declared.domain)
 
 
+def shows_topology(declared: Declaration) -> bool:
+    """It takes real numbers, sees values, and leaves what goes on beyond the lattice open."""
+    return leaves_ends_open(declared) and takes_reals(declared)
+
+
+def solves(declared: Declaration) -> bool:
+    """Its vertices are crossings, and what goes on beyond the lattice stays open."""
+    return on_edges(declared) and leaves_ends_open(declared)
+
+
+def has_length(kind: Kind) -> bool:
+    """Points have neither pieces that hang together nor an Euler characteristic to compare."""
+    return kind.k >= 1
+
+
 def _claim(
     name: str,
     rule: str,
@@ -116,7 +131,7 @@ def _claim(
     judge: Callable[[Trial], Finding],
     tags: set[str],
     families: Callable[[Declaration], bool],
-    kinds: Callable[[Kind], bool] = lambda kind: True,
+    kinds: Callable[[Kind], bool] = every_kind,
     promised: bool = True,
 ) -> Claim:
     """A claim of this family; what asks for a manifold is judged where one is known."""
@@ -163,8 +178,8 @@ CLAIMS = (
         2,
         euler,
         {"curved", "flat"},
-        lambda declared: leaves_ends_open(declared) and takes_reals(declared),
-        lambda kind: kind.k >= 1,
+        shows_topology,
+        has_length,
     ),
     _claim(
         "flat",
@@ -173,6 +188,6 @@ CLAIMS = (
         None,
         flat,
         {"flat"},
-        lambda declared: on_edges(declared) and leaves_ends_open(declared),
+        solves,
     ),
 )
