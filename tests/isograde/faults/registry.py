@@ -46,16 +46,12 @@ SURVIVORS: dict[str, str] = {
     "the calls made until then, and the variant `nan` is asked after it",
     "normals-of-nothing": "a claim that normals are finite; `structure.finite` looks at vertices, "
     "and the two claims on normals at known bodies and planes, where no gradient vanishes",
-    "raster-of-short-indices": "`topology.closed` on contours of 2 x 65,540 samples with noise at "
-    "their end: only surfaces have a case that is so long",
-    "single-where-large": "`topology.sides` on `shapes/long` with doubles of 2^30 and a little: "
-    "no field of more than a million samples needs double precision",
-    "slabs-of-four-million": "`topology.closed` on 180 x 180 x 180 samples with a bar along each "
-    "axis: in `shapes/deep` nothing is drawn but in the last layer of cells",
+    "single-where-large": "`topology.sides` on `shapes/fine`, doubles about 2^30, in full "
+    "runs; by default no field of more than a million samples needs double precision",
+    "slabs-of-four-million": "`topology.closed` on `shapes/column-0`, 4.4 million samples, in "
+    "full runs; of so many, `shapes/deep` alone is asked by default, and it has one layer of cells",
     "summed-coordinates": "`topology.sides` on `shapes/long` at a spacing of 0.7; long fields are "
     "posed at a spacing of one, which single precision sums without an error",
-    "ten-thousand-steps": "`topology.closed` on one contour of more than 10,000 segments, as the "
-    "edge of a meander in 104 x 104 samples",
     "there-and-back": "`topology.closed` on noise beyond the 1024th of 2048 x 4 x 4 samples; at "
     "65,536 single precision is so coarse that both ends round alike",
     "thousand-on-each-axis": "`topology.closed` on 2 x 2 x 1006 samples of noise: the lengths "

@@ -392,7 +392,7 @@ class Contours:
         return points
 
 
-@contours("topology.sides")
+@contours("topology.closed")
 class RasterOfShortIndices(Contours):
     """Rows and columns are kept with 16 bits, and a map of the world has more."""
 
