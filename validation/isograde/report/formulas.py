@@ -186,6 +186,22 @@ CONTOURS = {
     "values = 1.5 - np.minimum(one, other)\n",
     "border": "values = 1.03 - abs(x + 0.2 * np.sin(y))\n",
 }
+DRAWN = {
+    "winding": """
+# A comb: every second line of samples is inside, and all are joined at one end.
+values = -np.ones((271, 271))
+values[1:-1:2, 1:-1] = 1
+values[1:-1, 1] = 1
+""",
+    "specks": """
+# Whole numbers that depend on the name of the case alone; every second sample is high.
+key = sha256(b"contours/specks#{seed}").digest()[:16]
+words = np.random.Philox(key=int.from_bytes(key, "little")).random_raw(41 * 41) >> np.uint64(32)
+numbers = ((words * np.uint64(511)) >> np.uint64(32)).astype(int).reshape(41, 41) - 255
+values = -(1 + numbers / 1024)
+values[1::2, 1::2] *= -1
+""",
+}
 PLACED = "isovalue, spacing, origin = (0.0,), {spacing}, (0.0, 0.0)\n"
 
 # --- manifolds in two to five dimensions ---------------------------------------------------------
@@ -282,6 +298,8 @@ def of_case(case: Case, seed: int = 0) -> str | None:
     if family == "contours" and name in CONTOURS:
         spacing = (0.5, 2.0) if name == "border" else (0.3, 0.3)
         return PLANE + CONTOURS[name] + PLACED.format(spacing=spacing)
+    if family == "contours" and name in DRAWN:
+        return DRAWN[name].format(seed=seed) + PLACED.format(spacing=(1.0, 1.0))
     if family == "accuracy":
         return _row(case.facts.get("row", QUALITY))
     if family == "cost":
