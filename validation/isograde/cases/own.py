@@ -37,8 +37,8 @@ PREFIX = "own/"
 #: As a family of thousands would be judged: every claim, in every way.
 TAGS = frozenset({"own", "posed", "noise"})
 NAME = re.compile(r"own/[A-Za-z0-9_.+-]{1,120}")
-# Of more than a name, NumPy would make a type of several fields, or a syntax error.
-TYPE = re.compile(r"[<>=|]?[A-Za-z0-9]{1,16}")
+# Of more than a name, or of a number, NumPy makes a type of several fields, or a syntax error.
+TYPE = re.compile(r"[<>=|]?[A-Za-z][A-Za-z0-9]{0,15}")
 #: No file of cases has more bytes, and no case more samples.
 MOST_BYTES, MOST_SAMPLES = 1 << 26, 1 << 20
 
