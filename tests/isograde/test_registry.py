@@ -84,6 +84,7 @@ def test_every_claim_says_its_rule_its_source_and_its_level() -> None:
 
 def test_what_a_claim_is_said_of_is_told_in_words() -> None:
     """`isograde explain` once said "others (<lambda>)", which tells nobody anything."""
+    assert CLAIMS
     for claim in CLAIMS.values():
         kinds = first_line(claim.kinds) if kinds_of(claim).endswith("others") else ""
         assert "lambda" not in f"{kinds} {families_of(claim)} {first_line(claim.judge)}", claim.id

@@ -68,9 +68,9 @@ def saddle_sign(corners: Array, isovalue: float) -> tuple[Integers, Floats]:
     sign = np.sign(difference).astype(np.int64) * high
     unsure = np.flatnonzero(np.abs(difference) <= ROUNDING * size)
     if len(unsure):
-        near = np.asarray(corners)[unsure]
-        sign[unsure] = exact_sign(near, isovalue) * high[unsure]
-        sign[unsure[rounded(near, isovalue)]] = 0
+        near = rounded(np.asarray(corners)[unsure], isovalue)
+        sign[unsure[near]], exact = 0, unsure[~near]
+        sign[exact] = exact_sign(np.asarray(corners)[exact], isovalue) * high[exact]
     with np.errstate(invalid="ignore", divide="ignore"):
         return sign, np.where(size > 0, np.abs(difference) / size, 0.0)
 
